@@ -1,0 +1,286 @@
+"""The ``photonmap`` command: renders a .blend or a saved scene, and explains its plan.
+
+Exit code 0: done; 1: failed, with one line on stderr and no output file; 2: wrong usage;
+130: stopped by Ctrl-C, after what had been rendered was written.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+try:
+    import typer
+except ImportError as missing:
+    raise SystemExit(f"{missing}; install with: pip install 'photon-map[cli]'") from missing
+
+from .blender_libraries import BlenderMissingError
+from .core.file_replace import replacing
+from .core.report import ErrorCurve, render_report
+from .core.scene.dump import save_scene
+from .core.scene.scene import SceneError
+from .core.settings import Settings, SettingsError
+from .core.version import ENGINE, VERSION
+from .image_file import write_exr
+from .progress import ProgressDisplay, describe
+from .source import CommandError, Source
+
+if TYPE_CHECKING:
+    from .core import Update
+
+#: Passes when only other limits were asked for: the largest count that Settings takes.
+ENDLESS = 10_000_000
+
+app = typer.Typer(
+    help=f"{ENGINE}: a photon-mapping renderer for Blender's files.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+
+class PixelFilter(StrEnum):
+    """Pixel filters by the names of the command line."""
+
+    BOX = "box"
+    GAUSSIAN = "gaussian"
+    BLACKMAN_HARRIS = "blackman-harris"
+
+
+class Interrupt:
+    """Ctrl-C as a wish: the first asks the render to stop, the second ends everything."""
+
+    def __init__(self) -> None:
+        self.asked = False
+
+    def __enter__(self) -> Interrupt:
+        self._before = signal.signal(signal.SIGINT, self._ask)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        signal.signal(signal.SIGINT, self._before)
+
+    def _ask(self, *_: object) -> None:
+        if self.asked:
+            raise KeyboardInterrupt
+        self.asked = True
+
+
+@app.callback(invoke_without_command=True)
+def about(
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    """Handle what is asked without a command."""
+    if version:
+        typer.echo(f"{ENGINE} {VERSION}")
+        raise typer.Exit
+
+
+FileArgument = Annotated[Path, typer.Argument(metavar="FILE.blend|FILE.npz")]
+FrameOption = Annotated[int | None, typer.Option(help="Frame of the .blend to take.")]
+
+
+@app.command()
+def render(
+    file: FileArgument,
+    output: Annotated[
+        list[Path],
+        typer.Option(
+            "--output", "-o", metavar="OUT.png|OUT.exr", help="May be given once for each kind."
+        ),
+    ],
+    frame: FrameOption = None,
+    size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels.")] = None,
+    passes: Annotated[int | None, typer.Option(help="Stop after so many passes.")] = None,
+    seconds: Annotated[float | None, typer.Option(help="Stop after rendering so long.")] = None,
+    error: Annotated[float | None, typer.Option(help="Stop at this relative error.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Number of the random streams.")] = None,
+    threads: Annotated[int | None, typer.Option(help="Threads; 0 takes every core.")] = None,
+    filter_: Annotated[PixelFilter | None, typer.Option("--filter")] = None,
+    filter_width: Annotated[float | None, typer.Option(metavar="PX")] = None,
+    report: Annotated[Path | None, typer.Option(metavar="R.json")] = None,
+    save_scene_to: Annotated[
+        Path | None, typer.Option("--save-scene", metavar="S.npz", help="Keep the scene.")
+    ] = None,
+) -> None:
+    """Render FILE. It stops at the first limit that is reached.
+
+    Limits given here (--passes, --seconds, --error) replace all of the file's.
+    """
+    overrides = _limits(passes, seconds, error) | {
+        "seed": seed,
+        "threads": threads,
+        "pixel_filter": filter_ and filter_.name,
+        "filter_width": filter_width,
+    }
+    with reported_errors():
+        source = _source(file, frame, size, overrides)
+        pictures = _pictures(output)
+        others = [path for path in (report, save_scene_to) if path is not None]
+        if save_scene_to is not None and save_scene_to.suffix.lower() != ".npz":
+            raise CommandError(f"'{save_scene_to}': a scene is saved to an .npz file")
+        for path in (*pictures.values(), *others):
+            _check_writable(path, source.path)
+        stopped = _render_to(source, pictures, report, save_scene_to)
+    if stopped:
+        typer.echo("stopped by Ctrl-C; what had been rendered was written", err=True)
+        raise typer.Exit(130)
+
+
+@app.command()
+def plan(file: FileArgument, frame: FrameOption = None) -> None:
+    """Print which stages a render of FILE needs, and why."""
+    with reported_errors():
+        source = _source(file, frame, None, {})
+        from .core import Plan
+
+        loaded = source.load()
+        planned = Plan.of(loaded.scene, loaded.settings)
+        width = max((len(stage.name) for stage in planned.stages), default=0)
+        for stage in planned.stages:
+            typer.echo(f"{stage.name:<{width}}  {'on ' if stage.on else 'off'}  {stage.reason}")
+        _warn(*loaded.warnings, *planned.warnings)
+
+
+def main() -> None:
+    """Entry point of the ``photonmap`` command."""
+    app(prog_name="photonmap")
+
+
+@contextmanager
+def reported_errors() -> Iterator[None]:
+    """Turn what a user can mend into one line on stderr and an exit code."""
+    try:
+        yield
+    except SettingsError as problem:
+        _fail(problem, 2)
+    except (CommandError, SceneError, BlenderMissingError, OSError, MemoryError) as problem:
+        _fail(problem, 1)
+    except KeyboardInterrupt:
+        _fail("stopped by Ctrl-C before the first pass was done; nothing was written", 130)
+
+
+def _fail(problem: object, code: int) -> None:
+    text = " ".join(str(problem).split()) or type(problem).__name__
+    typer.echo(f"photonmap: error: {text}", err=True)
+    raise typer.Exit(code)
+
+
+def _warn(*warnings: str) -> None:
+    for text in dict.fromkeys(warnings):
+        typer.echo(f"photonmap: warning: {text}", err=True)
+
+
+def _limits(
+    passes: int | None, seconds: float | None, error: float | None
+) -> dict[str, float | None]:
+    """Settings for the limits asked for; without any, the file's own hold."""
+    for name, value in (("seconds", seconds), ("error", error)):
+        if value is not None and not value > 0:
+            raise typer.BadParameter(f"{value} is not above 0", param_hint=f"--{name}")
+    if passes is None and seconds is None and error is None:
+        return {}
+    return {
+        "passes": ENDLESS if passes is None else passes,
+        "seconds": seconds or 0.0,
+        "error_goal": error or 0.0,
+    }
+
+
+def _source(
+    file: Path, frame: int | None, size: str | None, overrides: dict[str, Any]
+) -> Source:
+    """Check everything about the input that can be checked without opening it."""
+    given = {key: value for key, value in overrides.items() if value is not None}
+    Settings(**given)
+    pixels = re.fullmatch(r"([1-9]\d{0,4})x([1-9]\d{0,4})", size) if size else None
+    if size and not pixels:
+        raise typer.BadParameter(f"'{size}' is not like 640x360", param_hint="--size")
+    if not file.exists():
+        raise CommandError(f"there is no file '{file}'")
+    if not file.is_file():
+        raise CommandError(f"'{file}' is not a file")
+    if file.suffix.lower() not in (".blend", ".npz"):
+        raise CommandError(f"'{file}' is neither a .blend nor an .npz")
+    if frame is not None and file.suffix.lower() == ".npz":
+        raise typer.BadParameter("an .npz holds one frame only", param_hint="--frame")
+    pair = (int(pixels[1]), int(pixels[2])) if pixels else None
+    return Source(file, frame, pair, given)
+
+
+def _pictures(outputs: list[Path]) -> dict[str, Path]:
+    """The outputs by suffix."""
+    pictures: dict[str, Path] = {}
+    for path in outputs:
+        suffix = path.suffix.lower()
+        if suffix not in (".png", ".exr"):
+            raise CommandError(f"'{path}': an image is written to a .png or an .exr")
+        if suffix in pictures:
+            raise typer.BadParameter(f"two {suffix} files", param_hint="--output")
+        pictures[suffix] = path
+    return pictures
+
+
+def _check_writable(path: Path, source: Path) -> None:
+    """Raise ``CommandError`` when ``path`` could not be written after the render."""
+    if path.exists() and not path.is_file():
+        raise CommandError(f"'{path}' is not a file")
+    if path.exists() and path.samefile(source):
+        raise CommandError(f"'{path}' would overwrite the scene that is rendered")
+    try:
+        # The only question that answers for every file system and user.
+        tempfile.TemporaryFile(dir=Path(os.path.realpath(path)).parent).close()
+    except OSError as problem:
+        raise CommandError(f"cannot write '{path}': {problem.strerror}") from problem
+
+
+def _details(update: Update) -> dict[str, str]:
+    return {"software": f"{ENGINE} {VERSION}", "render": describe(update)}
+
+
+def _render_to(
+    source: Source, pictures: dict[str, Path], report: Path | None, scene_file: Path | None
+) -> bool:
+    """Render ``source`` into its files, all of them or none; True when Ctrl-C ended it."""
+    curve = ErrorCurve()
+    with ExitStack() as stack:
+        parts = {key: stack.enter_context(replacing(path)) for key, path in pictures.items()}
+        interrupt = stack.enter_context(Interrupt())
+        with ProgressDisplay(sys.stdout) as display:
+
+            def on_update(update: Update, settings: Settings) -> bool:
+                curve.add(update)
+                display.show(update, settings)
+                if interrupt.asked and update.passes == 0:
+                    raise KeyboardInterrupt
+                return interrupt.asked
+
+            result = source.render(on_update, parts.get(".png"), _details)
+        if ".exr" in parts:
+            film = result.update.film
+            layers = {layer: film.resolve(layer) for layer in film.LAYERS}
+            write_exr(parts[".exr"], layers, _details(result.update))
+        if report is not None:
+            data = render_report(result.update, result.scene, result.settings, curve.points)
+            text = json.dumps(data, indent=2, allow_nan=False) + "\n"
+            stack.enter_context(replacing(report)).write_text(text, encoding="utf-8")
+        if scene_file is not None:
+            save_scene(scene_file, result.scene, result.settings)
+    _warn(*result.warnings, *result.update.plan.warnings)
+    written = [path for path in (*pictures.values(), report, scene_file) if path is not None]
+    typer.echo(f"{describe(result.update)}: wrote {', '.join(map(str, written))}")
+    return interrupt.asked
+
+
+if __name__ == "__main__":
+    main()

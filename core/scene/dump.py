@@ -1,0 +1,120 @@
+"""A scene and its settings in one ``.npz`` file: rendered later, without Blender.
+
+Arrays are stored as they are; names, camera and settings as JSON text. Nothing is pickled,
+so opening a stranger's file can never run code. A round trip keeps every bit.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..file_replace import replacing
+from ..settings import Settings
+from .camera_data import CameraData
+from .scene import Scene, SceneError
+
+FORMAT = "photon_map scene"
+FORMAT_VERSION = 1
+
+_NAMES = ("object_names", "material_names", "light_names")
+_ARRAYS = tuple(f.name for f in fields(Scene) if f.name not in ("name", "camera", *_NAMES))
+
+#: What NumPy, zipfile and json raise on a file that is not what it says.
+_BROKEN = (
+    zipfile.BadZipFile, zlib.error, EOFError, KeyError, MemoryError, NotImplementedError,
+    RuntimeError, TypeError, ValueError,
+)  # fmt: skip
+
+
+def save_scene(path: str | os.PathLike[str], scene: Scene, settings: Settings) -> None:
+    """Write ``scene`` and ``settings`` to ``path``; the file appears whole or not at all.
+
+    Raises ``OSError`` when the folder cannot be written.
+    """
+    header: dict[str, Any] = {
+        "format": FORMAT,
+        "version": FORMAT_VERSION,
+        "name": scene.name,
+        **{key: getattr(scene, key) for key in _NAMES},
+        "settings": asdict(settings),
+    }
+    arrays: dict[str, NDArray] = {key: getattr(scene, key) for key in _ARRAYS}
+    if scene.camera is not None:
+        header["camera"] = {
+            f.name: getattr(scene.camera, f.name)
+            for f in fields(CameraData)
+            if f.name != "matrix"
+        }
+        arrays["camera_matrix"] = np.asarray(scene.camera.matrix, dtype=np.float64)
+    text = json.dumps(header, default=lambda number: number.item())
+    arrays["header"] = np.frombuffer(text.encode(), dtype=np.uint8)
+    with replacing(path) as part, open(part, "wb") as stream:
+        np.savez_compressed(stream, **arrays)
+
+
+def load_scene(path: str | os.PathLike[str]) -> tuple[Scene, Settings]:
+    """Read what ``save_scene`` wrote.
+
+    Raises ``SceneError`` when the file is damaged, of another program or of a newer version
+    of this one, and ``OSError`` when it cannot be opened.
+    """
+    name = os.fspath(path)
+    with open(path, "rb") as stream:
+        if not zipfile.is_zipfile(stream):
+            raise SceneError(f"'{name}' is not a scene file: it is no .npz archive")
+        try:
+            stream.seek(0)
+            with np.load(stream, allow_pickle=False) as archive:
+                header = _read_header(archive)
+                return _read_scene(archive, header), _read_settings(header["settings"])
+        except SceneError as error:
+            raise SceneError(f"'{name}': {error}") from error
+        except _BROKEN as error:
+            raise SceneError(f"'{name}' is damaged: {error or type(error).__name__}") from error
+
+
+def _read_header(archive: Mapping[str, NDArray]) -> dict[str, Any]:
+    if "header" not in archive:
+        raise SceneError("not a scene file of Photon Map")
+    header = json.loads(archive["header"].tobytes().decode())
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise SceneError("not a scene file of Photon Map")
+    version = header["version"]
+    if version != FORMAT_VERSION:
+        raise SceneError(
+            f"scene file of version {version}, this Photon Map reads version "
+            f"{FORMAT_VERSION}; save the scene again with this one"
+        )
+    return header
+
+
+def _read_scene(archive: Mapping[str, NDArray], header: dict[str, Any]) -> Scene:
+    camera = header.get("camera")
+    tables: dict[str, Any] = {key: archive[key] for key in _ARRAYS}
+    names: dict[str, Any] = {key: tuple(map(_string, header[key])) for key in _NAMES}
+    return Scene(
+        name=_string(header["name"]),
+        camera=camera and CameraData(**camera, matrix=archive["camera_matrix"]),
+        **tables,
+        **names,
+    )
+
+
+def _read_settings(stored: dict[str, Any]) -> Settings:
+    region = stored.pop("region")
+    return Settings(**stored, region=None if region is None else tuple(region))
+
+
+def _string(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r} stands where a name should")
+    return value
