@@ -1,0 +1,73 @@
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import numpy as np
+from photon_map.core.report import ErrorCurve, render_report
+from photon_map.core.scene.builder import SceneBuilder
+from photon_map.core.settings import Settings
+from photon_map.core.version import VERSION
+
+
+@dataclass
+class FakeUpdate:
+    """As much of an update as the report reads."""
+
+    passes: int
+    seconds: float = 1.0
+    relative_error: float = math.inf
+    setup_seconds: float = 0.5
+    film: SimpleNamespace = field(
+        default_factory=lambda: SimpleNamespace(
+            width=8, height=6,
+            statistics=SimpleNamespace(
+                photons_emitted=np.int64(2**33), photons_stored=10, rays=20, non_finite=0
+            ),
+        )
+    )  # fmt: skip
+    plan: SimpleNamespace = field(
+        default_factory=lambda: SimpleNamespace(
+            stages=(SimpleNamespace(name="caustics", on=np.True_, reason="a caster"),)
+        )
+    )
+
+
+def test_the_report_has_the_promised_keys_and_is_json():
+    curve = ErrorCurve()
+    for update in (FakeUpdate(0), FakeUpdate(1), FakeUpdate(1), FakeUpdate(3, 2.5, 0.125)):
+        curve.add(update)
+    scene = SceneBuilder("box").build()
+    settings = Settings(seed=9, threads=2)
+    report = render_report(update, scene, settings, curve.points)
+    assert json.loads(json.dumps(report, allow_nan=False)) == {
+        "engine": "Photon Map",
+        "version": VERSION,
+        "scene": "box",
+        "width": 8,
+        "height": 6,
+        "seed": 9,
+        "threads": 2,
+        "passes": 3,
+        "seconds": 2.5,
+        "setup_seconds": 0.5,
+        "photons_emitted": 2**33,
+        "photons_stored": 10,
+        "rays": 20,
+        "non_finite": 0,
+        "relative_error": 0.125,
+        "plan": [{"stage": "caustics", "on": True, "reason": "a caster"}],
+        "curve": [
+            {"pass": 1, "seconds": 1.0, "relative_error": None},
+            {"pass": 3, "seconds": 2.5, "relative_error": 0.125},
+        ],
+    }
+
+
+def test_an_error_that_is_not_known_is_null():
+    scene = SceneBuilder("box").build()
+    for unknown in (math.inf, math.nan, np.float64("nan")):
+        report = render_report(FakeUpdate(1, 1.0, unknown), scene, Settings())
+        assert report["relative_error"] is None
