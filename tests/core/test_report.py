@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
+
 from photon_map.core.report import ErrorCurve, render_report
 from photon_map.core.scene.builder import SceneBuilder
 from photon_map.core.settings import Settings

@@ -4,6 +4,7 @@ import math
 from dataclasses import FrozenInstanceError, fields, replace
 
 import pytest
+
 from photon_map.core.settings import Settings, SettingsError
 
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+
 from photon_map.core.scene.builder import (
     SceneBuilder,
     dielectric,

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from photon_map.core.scene import dump
 from photon_map.core.scene.builder import SceneBuilder, dielectric, diffuse
 from photon_map.core.scene.camera_data import CameraData
