@@ -74,7 +74,8 @@ def main() -> int:
     try:
         import_blender()
     except BlenderMissingError as error:
-        print("\n".join(missing_packages(str(error))))
+        for package in missing_packages(str(error)):
+            print(package)
         print(error, file=sys.stderr)
         return 1
     return 0

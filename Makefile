@@ -1,0 +1,63 @@
+# Needs make, a C library and Python 3.11 or 3.13; everything else goes into .venv.
+#   make render BLEND=path/to/file.blend      make PYTHON=python3.13 test
+
+PYTHON ?=
+BLEND ?= sample_blends/cornell_corridor.blend
+# More arguments for `photonmap render` or pytest.
+ARGS ?=
+
+BIN := .venv/bin
+
+.PHONY: help env env-core bpy render test test-core lint samples clean
+
+help:
+	@echo "make render [BLEND=file.blend]  render it to renders/*.png and *.exr"
+	@echo "make test                       lint, types and all tests"
+	@echo "make test-core                  the tests that need no Blender, without bpy"
+	@echo "make lint                       ruff and mypy"
+	@echo "make samples                    build sample_blends/*.blend again (Python 3.11)"
+	@echo "make clean                      remove everything that make made"
+	@echo "PYTHON=python3.13 chooses the Python, ARGS='...' adds arguments to the command."
+
+env:
+	@tools/make_env.sh .venv blender,cli,dev "3.11 3.13" "$(PYTHON)"
+
+env-core:
+	@tools/make_env.sh .venv-core cli,dev "3.11 3.12 3.13" "$(PYTHON)"
+
+# Says which of the system's libraries Blender's module lacks.
+bpy: env
+	@$(BIN)/python -m photon_map.blender_libraries
+
+render: bpy
+	@mkdir -p renders
+	@name=$$(basename "$(BLEND)" .blend) && $(BIN)/photonmap render "$(BLEND)" \
+		-o "renders/$$name.png" -o "renders/$$name.exr" $(ARGS)
+
+# mypy wants to see the root under the package's name.
+lint: env
+	@mkdir -p .cache/types && ln -sfn ../.. .cache/types/photon_map
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+test: lint bpy
+	$(BIN)/python -m pytest $(ARGS)
+
+test-core: env-core
+	.venv-core/bin/python -m pytest -m "not blender" \
+		--ignore=tests/addon --ignore=tests/blender $(ARGS)
+
+# bpy 4.2 writes files that Blender 4.2 to 5.2 open.
+samples:
+	@tools/make_env.sh .venv-samples samples "3.11" "$(PYTHON)"
+	@for script in sample_blends/scripts/*.py; do \
+		name=$$(basename "$$script" .py); \
+		[ "$$name" = common ] || .venv-samples/bin/python "$$script" \
+			"sample_blends/$$name.blend" || exit 1; \
+	done
+
+clean:
+	rm -rf .venv .venv-core .venv-samples .cache .mypy_cache .pytest_cache .ruff_cache \
+		.hypothesis build dist renders *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
