@@ -1,0 +1,34 @@
+"""The Blender add-on: everything that imports ``bpy``, and no light transport.
+
+Importing and registering it loads neither numba, scipy nor embreex: those come with the
+first render.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+from . import properties, ui
+from .engine import PhotonMapEngine
+
+
+def register() -> None:
+    """Register properties, panels and the engine."""
+    properties.register()
+    ui.register()
+    bpy.utils.register_class(PhotonMapEngine)
+
+
+def unregister() -> None:
+    """Undo ``register`` in reverse order."""
+    bpy.utils.unregister_class(PhotonMapEngine)
+    ui.unregister()
+    properties.unregister()
+
+
+def is_registered() -> bool:
+    """Whether Blender knows the engine, from this package or from an installed extension."""
+    return any(
+        getattr(engine, "bl_idname", "") == PhotonMapEngine.bl_idname and engine.is_registered
+        for engine in bpy.types.RenderEngine.__subclasses__()
+    )

@@ -1,0 +1,85 @@
+"""Evaluated geometry of one object as arrays in its own space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Types whose surface ``to_mesh`` gives.
+MESH_TYPES = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+
+
+@dataclass(frozen=True, eq=False)
+class MeshArrays:
+    """Triangles in object space: vertices (V, 3) float64, faces (F, 3) int32, material
+    slot (F,) int32, corner_normals (F, 3, 3) float64 with zeros where a face is flat."""
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int32]
+    slots: NDArray[np.int32]
+    corner_normals: NDArray[np.float64] | None
+
+    def placed(
+        self, matrix: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64] | None]:
+        """World-space vertices, faces and corner normals under ``matrix`` (4, 4).
+
+        A mirroring matrix turns triangles inside out, so their winding is swapped back.
+        Normals go by the cofactor matrix: the inverse transpose up to a positive factor
+        where there is one, and still right when the object is scaled flat.
+        """
+        linear = matrix[:3, :3]
+        vertices = self.vertices @ linear.T + matrix[:3, 3]
+        mirrored = bool(np.linalg.det(linear) < 0)
+        order = [0, 2, 1] if mirrored else [0, 1, 2]
+        faces = np.ascontiguousarray(self.faces[:, order])
+        if self.corner_normals is None:
+            return vertices, faces, None
+        cofactor = _cofactor(linear) * (-1.0 if mirrored else 1.0)
+        normals = self.corner_normals[:, order] @ cofactor.T
+        length = np.linalg.norm(normals, axis=2, keepdims=True)
+        return (
+            vertices,
+            faces,
+            np.divide(normals, length, np.zeros_like(normals), where=length > 0),
+        )
+
+
+def _cofactor(m: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.stack([np.cross(m[1], m[2]), np.cross(m[2], m[0]), np.cross(m[0], m[1])])
+
+
+def read_mesh(mesh: Any) -> MeshArrays:
+    """Copy the triangles of a Blender mesh."""
+    vertices = _read(mesh.vertices, "co", 3, np.float32).astype(np.float64)
+    triangles = mesh.loop_triangles
+    faces = _read(triangles, "vertices", 3, np.int32)
+    slots = _read(triangles, "material_index", 1, np.int32).reshape(-1)
+    return MeshArrays(vertices, faces, slots, _corner_normals(mesh))
+
+
+def _corner_normals(mesh: Any) -> NDArray[np.float64] | None:
+    """Shading normals of the triangles' corners, None when every face is flat."""
+    custom = mesh.has_custom_normals
+    if mesh.normals_domain == "FACE" and not custom:
+        return None
+    triangles = mesh.loop_triangles
+    flat = ~_read(triangles, "use_smooth", 1, np.bool_).reshape(-1)
+    if custom:  # they may bend flat faces too
+        flat[:] = False
+    if flat.all():
+        return None
+    loops = _read(triangles, "loops", 3, np.int32)
+    vectors = _read(mesh.corner_normals, "vector", 3, np.float32).astype(np.float64)
+    normals = vectors[loops]
+    normals[flat] = 0.0
+    return normals
+
+
+def _read(collection: Any, name: str, width: int, dtype: Any) -> NDArray[Any]:
+    values = np.empty(len(collection) * width, dtype)
+    collection.foreach_get(name, values)
+    return values.reshape(-1, width)

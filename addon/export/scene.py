@@ -1,0 +1,51 @@
+"""The whole export: a depsgraph in, a frozen ``Scene`` out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ...core.scene.builder import SceneBuilder
+from ...core.scene.scene import Scene
+from ..report import ExportError, ExportLog
+from .camera import export_camera
+from .instances import ExportCancelledError, add_objects
+from .materials import MaterialTable
+from .world import world_radiance
+
+__all__ = ["ExportCancelledError", "export_scene", "image_size"]
+
+
+def export_scene(depsgraph: Any, engine: Any | None, log: ExportLog) -> Scene:
+    """Everything that ``depsgraph`` shows, in world space.
+
+    Reads Blender on the calling thread and keeps no reference to it. ``engine`` supplies
+    the camera of the view being rendered and tells of a break; without one (a script) the
+    scene's camera is taken. Raises ``ExportError``, ``SceneError``, ``ExportCancelledError``.
+    """
+    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+    stopped: Callable[[], bool] = engine.test_break if engine is not None else _never
+    camera = engine.camera_override if engine is not None else None
+    camera = camera or scene.camera
+    if camera is None:
+        raise ExportError(f"scene '{scene.name}' has no camera; add one to render it")
+    builder = SceneBuilder(scene.name)
+    builder.set_camera(export_camera(camera, scene, image_size(scene), engine))
+    builder.set_world(world_radiance(layer.world_override or scene.world, log))
+    materials = MaterialTable(builder, log, layer.material_override)
+    add_objects(builder, depsgraph, materials, log, stopped)
+    if builder.dropped_faces:
+        log.warn(f"{builder.dropped_faces} faces without an area are left out")
+    return builder.build()
+
+
+def image_size(scene: Any) -> tuple[int, int]:
+    """Width and height [pixels] of the whole image, rounded as Blender does."""
+    render = scene.render
+    width = render.resolution_x * render.resolution_percentage // 100
+    height = render.resolution_y * render.resolution_percentage // 100
+    return max(1, width), max(1, height)
+
+
+def _never() -> bool:
+    return False

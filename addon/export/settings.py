@@ -1,0 +1,52 @@
+"""The scene's render properties as the core's ``Settings``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ...core.settings import Settings
+from .scene import image_size
+
+#: Properties of ``Scene.photon_map`` that are fields of ``Settings`` of the same name.
+FIELDS = (
+    "passes",
+    "seconds",
+    "error_goal",
+    "seed",
+    "threads",
+    "photons_global",
+    "photons_caustic",
+    "camera_depth",
+    "photon_depth",
+    "min_throughput",
+    "caustic_radius",
+    "alpha",
+    "pixel_filter",
+)
+
+
+def export_settings(scene: Any, overrides: Mapping[str, Any]) -> Settings:
+    """Settings of ``scene``; ``overrides`` win. Raises ``SettingsError``."""
+    values = {name: getattr(scene.photon_map, name) for name in FIELDS}
+    values["filter_width"] = scene.render.filter_size
+    values["transparent"] = scene.render.film_transparent
+    values["region"] = border_region(scene)
+    values.update(overrides)
+    return Settings(**values)
+
+
+def border_region(scene: Any) -> tuple[int, int, int, int] | None:
+    """Pixels (x0, y0, x1, y1) of the border, None without one.
+
+    Rounded as Blender rounds them, or the result would not fit into its image.
+    """
+    render = scene.render
+    if not render.use_border:
+        return None
+    width, height = image_size(scene)
+    x0, x1 = (round(v * width) for v in (render.border_min_x, render.border_max_x))
+    y0, y1 = (round(v * height) for v in (render.border_min_y, render.border_max_y))
+    if x0 == 0 and y0 == 0 and x1 == width and y1 == height:
+        return None
+    return x0, y0, x1, y1

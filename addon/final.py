@@ -1,0 +1,143 @@
+"""The final render: export, pull the core's updates, write the film into the result."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from .export.scene import ExportCancelledError, export_scene
+from .export.settings import export_settings
+from .job import CURRENT
+from .passes import active_passes, pass_name
+from .report import ExportError, ExportLog
+
+if TYPE_CHECKING:
+    from ..core import Film, Scene, Settings, Update
+
+#: Seconds between two looks of the user at the unfinished image.
+REDRAW_INTERVAL = 0.25
+
+
+def render_final(engine: Any, depsgraph: Any) -> None:
+    """Render the view layer of ``depsgraph`` into the result of ``engine``.
+
+    A break (Escape, Ctrl-C in Blender) ends it and keeps the image so far. The core's
+    generator is closed on every way out, so that its threads have ended on return.
+    """
+    layer = depsgraph.view_layer_eval.name
+    job = CURRENT.get()
+    engine.update_stats("", f"{layer} | Exporting")
+    log = ExportLog()
+    try:
+        scene = export_scene(depsgraph, engine, log)
+    except ExportCancelledError:
+        return
+    settings = export_settings(depsgraph.scene_eval, job.overrides if job else {})
+    if job is not None:
+        job.exported(layer, scene, settings, log.messages)
+        if job.export_only:
+            return
+    if not engine.is_preview:
+        for message in log.messages:
+            engine.report({"WARNING"}, message)
+    view_layer = depsgraph.view_layer_eval
+    updates = _core_render(scene, settings)
+    last: Update | None = None
+    try:
+        last = _pull(engine, updates, view_layer, settings)
+    finally:
+        updates.close()
+    if last is not None and last.passes > 0:
+        write_film(engine, last.film, view_layer)
+        if last.film.statistics.non_finite and not engine.is_preview:
+            engine.report(
+                {"WARNING"},
+                f"{last.film.statistics.non_finite} samples were not finite and left out",
+            )
+
+
+def _core_render(scene: Scene, settings: Settings) -> Generator[Update, None, None]:
+    """Start the core; its heavy imports (numba, scipy, embreex) happen here."""
+    try:
+        from ..core import render
+    except ImportError as error:
+        raise ExportError(
+            f"a package that the engine needs is missing: {error}; install numba, scipy and "
+            "embreex for this Python, or the extension's archive, which contains them"
+        ) from error
+    updates: Any = render(scene, settings)
+    return updates
+
+
+def _pull(
+    engine: Any, updates: Generator[Update, None, None], view_layer: Any, settings: Settings
+) -> Update | None:
+    """Draw updates until the core is done or the user stops it; the last one."""
+    job = CURRENT.get()
+    last: Update | None = None
+    shown = 0
+    redrawn = time.monotonic()
+    for last in updates:
+        if job is not None:
+            job.updated(view_layer.name, last)
+        fraction = progress(last, settings)
+        engine.update_progress(fraction)
+        engine.update_stats("", stats_line(view_layer.name, last, fraction))
+        used = film_megabytes(last.film)
+        engine.update_memory_stats(memory_used=used, memory_peak=used)
+        now = time.monotonic()
+        # In the background nobody looks: the film is then written once, at the end.
+        if not bpy.app.background and last.passes > shown and now - redrawn > REDRAW_INTERVAL:
+            write_film(engine, last.film, view_layer)
+            shown, redrawn = last.passes, time.monotonic()
+        if engine.test_break():
+            break
+    return last
+
+
+def write_film(engine: Any, film: Film, view_layer: Any) -> None:
+    """Copy the film into the render result; the film's first row is Blender's, the lowest."""
+    result = engine.begin_result(0, 0, film.width, film.height, layer=view_layer.name)
+    try:
+        if not result.layers:  # the layer was disabled meanwhile
+            return
+        passes = result.layers[0].passes
+        for entry in active_passes(view_layer):
+            target = passes.get(pass_name(entry))
+            if target is None:
+                continue
+            pixels = np.ascontiguousarray(film.resolve(entry.layer), dtype=np.float32)
+            target.rect.foreach_set(pixels.ravel())
+    finally:
+        engine.end_result(result)
+
+
+def progress(update: Update, settings: Settings) -> float:
+    """How much of the nearest limit is used up, from 0 to 1."""
+    parts = [update.passes / settings.passes]
+    if settings.seconds:
+        parts.append(update.seconds / settings.seconds)
+    if settings.error_goal and 0 < update.relative_error < float("inf"):
+        # The error falls with the root of the passes, so the work left goes with its square.
+        parts.append((settings.error_goal / update.relative_error) ** 2)
+    return float(min(1.0, max(parts)))
+
+
+def stats_line(layer: str, update: Update, fraction: float) -> str:
+    """The line of statistics: Blender shows it above the image and in the console."""
+    parts = [layer, f"{100 * fraction:.0f} %", f"Pass {update.passes}"]
+    if update.passes >= 2 and update.relative_error < float("inf"):
+        parts.append(f"Error {100 * update.relative_error:.2f} %")
+    if update.phase != "render" and update.message:
+        parts.append(update.message)
+    return " | ".join(parts)
+
+
+def film_megabytes(film: Film) -> float:
+    """Memory of the film's sums [MB]: mean and variance in float64 for every channel."""
+    channels = sum(film.LAYERS.values())
+    return 16.0 * film.width * film.height * channels / 2**20

@@ -1,0 +1,128 @@
+"""Render settings of a scene, at ``Scene.photon_map``.
+
+Names, ranges and defaults are those of ``core.settings.Settings``. Numbers of enum items
+are explicit, because files store the number and not the name.
+"""
+
+# No "from __future__ import annotations" here: Blender reads the annotations as properties.
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty
+
+from ...core.settings import Settings
+
+_DEFAULT = Settings()
+
+
+class PhotonMapSceneProperties(bpy.types.PropertyGroup):
+    """What a user may choose about a render."""
+
+    passes: IntProperty(  # type: ignore[valid-type]
+        name="Passes",
+        description="Render at most so many photon and camera passes",
+        default=_DEFAULT.passes,
+        min=1,
+        soft_max=4096,
+        max=10_000_000,
+    )
+    seconds: FloatProperty(  # type: ignore[valid-type]
+        name="Time Limit",
+        description="Stop after so many seconds of rendering; 0 for no limit",
+        default=_DEFAULT.seconds,
+        min=0.0,
+        max=1e9,
+        soft_max=3600.0,
+        precision=1,
+        step=100,
+    )
+    error_goal: FloatProperty(  # type: ignore[valid-type]
+        name="Error Goal",
+        description="Stop when the estimated relative error of a typical pixel is as small "
+        "as this, for example 0.05 for 5 %; 0 for no goal",
+        default=_DEFAULT.error_goal,
+        min=0.0,
+        max=10.0,
+        soft_max=1.0,
+        precision=4,
+        step=1,
+    )
+    photons_global: IntProperty(  # type: ignore[valid-type]
+        name="Global Photons",
+        description="Photons emitted in each pass for indirect light",
+        default=_DEFAULT.photons_global,
+        min=0,
+        max=100_000_000,
+        soft_max=1_000_000,
+    )
+    photons_caustic: IntProperty(  # type: ignore[valid-type]
+        name="Caustic Photons",
+        description="Photons emitted in each pass towards glass and mirrors",
+        default=_DEFAULT.photons_caustic,
+        min=0,
+        max=100_000_000,
+        soft_max=1_000_000,
+    )
+    caustic_radius: FloatProperty(  # type: ignore[valid-type]
+        name="Caustic Radius",
+        description="Radius in pixels of the caustic estimate in the first pass; smaller is "
+        "sharper and noisier",
+        default=_DEFAULT.caustic_radius,
+        min=0.1,
+        max=1000.0,
+        soft_max=20.0,
+    )
+    alpha: FloatProperty(  # type: ignore[valid-type]
+        name="Radius Shrinking",
+        description="How slowly radii shrink from pass to pass; 1 keeps them",
+        default=_DEFAULT.alpha,
+        min=0.01,
+        max=1.0,
+    )
+    camera_depth: IntProperty(  # type: ignore[valid-type]
+        name="Camera Depth",
+        description="Most surfaces that a path from the camera may meet",
+        default=_DEFAULT.camera_depth,
+        min=1,
+        max=1024,
+        soft_max=128,
+    )
+    photon_depth: IntProperty(  # type: ignore[valid-type]
+        name="Photon Depth",
+        description="Most surfaces that a photon may meet",
+        default=_DEFAULT.photon_depth,
+        min=1,
+        max=1024,
+        soft_max=128,
+    )
+    min_throughput: FloatProperty(  # type: ignore[valid-type]
+        name="Throughput Limit",
+        description="End camera paths that carry less than this part of their light",
+        default=_DEFAULT.min_throughput,
+        min=0.0,
+        max=1.0,
+        precision=5,
+        step=0.01,
+    )
+    seed: IntProperty(  # type: ignore[valid-type]
+        name="Seed",
+        description="Another seed gives another noise pattern",
+        default=_DEFAULT.seed,
+        min=0,
+        max=2**31 - 1,
+    )
+    threads: IntProperty(  # type: ignore[valid-type]
+        name="Threads",
+        description="Processor threads to use; 0 for all. The image does not depend on it",
+        default=_DEFAULT.threads,
+        min=0,
+        max=1024,
+    )
+    pixel_filter: EnumProperty(  # type: ignore[valid-type]
+        name="Pixel Filter",
+        description="How samples are weighted into pixels",
+        items=(
+            ("BOX", "Box", "Plain average", 0),
+            ("GAUSSIAN", "Gaussian", "Smooth", 1),
+            ("BLACKMAN_HARRIS", "Blackman-Harris", "Smooth and compact", 2),
+        ),
+        default=_DEFAULT.pixel_filter,
+    )

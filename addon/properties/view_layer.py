@@ -1,0 +1,28 @@
+"""Passes of our own, at ``ViewLayer.photon_map``."""
+
+# No "from __future__ import annotations" here: Blender reads the annotations as properties.
+import bpy
+from bpy.props import BoolProperty
+
+
+def _passes_changed(self: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """Have Blender ask the engine for its passes again, for the compositor's sockets."""
+    for layer in self.id_data.view_layers:
+        layer.update_render_passes()
+
+
+class PhotonMapViewLayerProperties(bpy.types.PropertyGroup):
+    """Which of the engine's own passes a view layer has."""
+
+    use_pass_caustics: BoolProperty(  # type: ignore[valid-type]
+        name="Caustics",
+        description="Light that reached the surface through glass or mirrors",
+        default=True,
+        update=_passes_changed,
+    )
+    use_pass_denoising_albedo: BoolProperty(  # type: ignore[valid-type]
+        name="Denoising Albedo",
+        description="Colour of the first surface, for the Denoise node",
+        default=False,
+        update=_passes_changed,
+    )
