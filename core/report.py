@@ -12,7 +12,7 @@ from .settings import Settings
 from .version import ENGINE, VERSION
 
 if TYPE_CHECKING:
-    from .render import Update
+    from .update import Update
 
 
 @dataclass(frozen=True)

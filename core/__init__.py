@@ -1,0 +1,52 @@
+"""The engine: light transport on arrays. It knows nothing of Blender.
+
+The public names are loaded when they are first used: a scene can be built and checked
+without waiting for Numba and Embree.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .film.film import Film
+    from .plan import Plan
+    from .renderer import render
+    from .scene.builder import SceneBuilder
+    from .scene.camera_data import CameraData
+    from .scene.scene import Scene, SceneError
+    from .settings import Settings, SettingsError
+    from .update import Update
+
+_HOMES = {
+    "CameraData": ".scene.camera_data",
+    "Film": ".film.film",
+    "Plan": ".plan",
+    "Scene": ".scene.scene",
+    "SceneBuilder": ".scene.builder",
+    "SceneError": ".scene.scene",
+    "Settings": ".settings",
+    "SettingsError": ".settings",
+    "Update": ".update",
+    "render": ".renderer",
+}
+
+__all__ = [
+    "CameraData",
+    "Film",
+    "Plan",
+    "Scene",
+    "SceneBuilder",
+    "SceneError",
+    "Settings",
+    "SettingsError",
+    "Update",
+    "render",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name], __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

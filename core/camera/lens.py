@@ -1,0 +1,56 @@
+"""The thin lens: where on the aperture a ray starts and where it is in focus.
+
+Every ray through the lens meets the pinhole's ray on the plane of focus, which is
+perpendicular to the axis (Cook, Porter & Carpenter 1984).
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..geometry.vector import Vector, along, normalize, read, subtract
+from ..jit import kernel
+from ..sampling.warps import sample_disk, sample_polygon
+
+
+@kernel
+def sample_lens(camera, u: float, v: float) -> tuple[float, float]:
+    """Point of the aperture in camera x and y [m]: disc or polygon, turned, squeezed."""
+    if camera.blades >= 3:
+        x, y = sample_polygon(camera.blades, u, v)
+    else:
+        x, y = sample_disk(u, v)
+    c = math.cos(camera.blade_rotation)
+    s = math.sin(camera.blade_rotation)
+    x, y = x * c - y * s, x * s + y * c
+    return camera.lens_radius * x / camera.blade_ratio, camera.lens_radius * y
+
+
+@kernel
+def filter_offset(table, u: float) -> float:
+    """Offset from the pixel's middle [pixels] with the filter's distribution."""
+    position = u * (len(table) - 1)
+    k = min(int(position), len(table) - 2)
+    t = position - k
+    return table[k] * (1.0 - t) + table[k + 1] * t
+
+
+@kernel
+def camera_ray(
+    camera, x: int, y: int, u_x: float, u_y: float, u_lens: float, v_lens: float
+) -> tuple[Vector, Vector]:
+    """Ray of pixel (x, y), counted from the bottom left: (origin, unit direction)."""
+    right = read(camera.axes, 0)
+    up = read(camera.axes, 1)
+    forward = read(camera.axes, 2)
+    px = x + 0.5 + filter_offset(camera.filter_table, u_x)
+    py = y + 0.5 + filter_offset(camera.filter_table, u_y)
+    d = along(forward, right, px * camera.step_x + camera.left)
+    d = along(d, up, py * camera.step_y + camera.bottom)
+    origin = read(camera.position.reshape(1, 3), 0)
+    if camera.lens_radius <= 0.0:
+        return origin, normalize(d)
+    lx, ly = sample_lens(camera, u_lens, v_lens)
+    start = along(along(origin, right, lx), up, ly)
+    focus = along(origin, d, camera.focus_distance)
+    return start, normalize(subtract(focus, start))

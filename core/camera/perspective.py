@@ -1,0 +1,71 @@
+"""Blender's perspective camera: field of view, sensor fit, shift, pixel aspect.
+
+Checked against Cycles: the axis meets the image at (W/2 - shift_x S, H/2 - shift_y S)
+from the bottom left, S being the pixel size of the fitted side.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.mesh import Centre
+from ..scene.camera_data import CameraData
+
+
+class CameraTables(NamedTuple):
+    """A camera as kernels see it, in centred coordinates.
+
+    ``axes`` rows: right, up, forward. A pixel position (x, y) from the bottom left looks
+    along right (x step_x + left) + up (y step_y + bottom) + forward. ``filter_table``:
+    inverse distribution of the pixel filter over [0, 1], offsets in pixels.
+    """
+
+    position: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    left: float
+    bottom: float
+    step_x: float
+    step_y: float
+    lens_radius: float
+    focus_distance: float
+    blades: int
+    blade_rotation: float
+    blade_ratio: float
+    filter_table: NDArray[np.float64]
+
+
+def camera_tables(
+    camera: CameraData, centre: Centre, filter_table: NDArray[np.float64]
+) -> CameraTables:
+    """Fit the sensor to the image as Blender does."""
+    axes = camera.matrix[:3, :3].T.astype(np.float64).copy()
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    axes[2] *= -1.0
+    wide = camera.width * camera.pixel_aspect_x
+    tall = camera.height * camera.pixel_aspect_y
+    horizontal = camera.sensor_fit == "HORIZONTAL" or (
+        camera.sensor_fit == "AUTO" and wide >= tall
+    )
+    sensor = camera.sensor_height if camera.sensor_fit == "VERTICAL" else camera.sensor_width
+    fitted = wide if horizontal else tall
+    # Length at distance 1 of one unit of the fitted side (pixels times their aspect).
+    unit = sensor / camera.lens / fitted
+    left = (-0.5 * wide + camera.shift_x * fitted) * unit
+    bottom = (-0.5 * tall + camera.shift_y * fitted) * unit
+    return CameraTables(
+        position=camera.matrix[:3, 3] - centre.origin,
+        axes=axes,
+        left=left,
+        bottom=bottom,
+        step_x=unit * camera.pixel_aspect_x,
+        step_y=unit * camera.pixel_aspect_y,
+        lens_radius=camera.lens_radius,
+        focus_distance=camera.focus_distance,
+        blades=camera.blades,
+        blade_rotation=camera.blade_rotation,
+        blade_ratio=camera.blade_ratio,
+        filter_table=filter_table,
+    )

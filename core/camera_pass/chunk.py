@@ -1,0 +1,169 @@
+"""One chunk of a camera pass: the order of its steps between Embree and the kernels."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..film.film import SAMPLE
+from ..photons.photon_map import PhotonMap
+from ..prepared import Prepared
+from ..scene.camera_data import CameraData
+from ..settings import Settings
+from .caustics import gather_caustics
+from .direct import add_direct, sample_direct
+from .indirect import gather_indirect, start_gather
+from .paths import start_paths, step_paths
+from .records import PATH, VERTEX
+
+
+class Region(NamedTuple):
+    """The pixels that are rendered: corner, size, and the width of the whole image."""
+
+    x0: int
+    y0: int
+    width: int
+    height: int
+    image_width: int
+
+    @staticmethod
+    def of(camera: CameraData, settings: Settings) -> Region:
+        """The border of ``settings`` cut to the image of ``camera``, or all of it."""
+        x0, y0, x1, y1 = settings.region or (0, 0, camera.width, camera.height)
+        x1, y1 = min(x1, camera.width), min(y1, camera.height)
+        return Region(x0, y0, max(0, x1 - x0), max(0, y1 - y0), camera.width)
+
+
+class PhotonMaps(NamedTuple):
+    """Both maps of a pass, None where the plan has none, and the radii to ask them with.
+
+    ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m].
+    """
+
+    caustic: PhotonMap | None
+    global_: PhotonMap | None
+    caustic_radii: tuple[float, float, float]
+    global_radius: float
+    emitted: int
+    stored: int
+    rays: int
+
+
+class Pixels(NamedTuple):
+    """Which pixels of a region a chunk takes: ``count`` from ``start`` by ``stride``."""
+
+    start: int
+    count: int
+    stride: int = 1
+
+
+class Chunk(NamedTuple):
+    """What a chunk brings: its pixels, one ``SAMPLE`` row each, rays traced."""
+
+    pixels: Pixels
+    samples: NDArray[np.void]
+    rays: int
+
+
+class Rays:
+    """Buffers of the rays under way and where they stop."""
+
+    def __init__(self, count: int) -> None:
+        self.origins = np.zeros((count, 3), np.float32)
+        self.directions = np.zeros((count, 3), np.float32)
+        self.paths = np.zeros(count, PATH)
+        self.traced = 0
+
+
+def trace_chunk(
+    prepared: Prepared, settings: Settings, region: Region, i: int, pixels: Pixels,
+    maps: PhotonMaps,
+) -> Chunk:  # fmt: skip
+    """Render ``pixels`` of ``region`` in pass ``i`` with the photons of ``maps``."""
+    samples = np.zeros(pixels.count, SAMPLE)
+    rays = Rays(pixels.count)
+    vertices = trace_camera(prepared, settings, region, i, pixels, rays, samples)
+    if len(vertices):
+        if maps.caustic is not None:
+            gather_caustics(
+                prepared.materials, prepared.lobes, prepared.camera, maps.caustic,
+                maps.caustic_radii, vertices, len(vertices), samples,
+            )  # fmt: skip
+        _light_directly(prepared, vertices, rays, samples)
+        ends = trace_gather(prepared, settings, vertices, rays, samples)
+        if maps.global_ is not None:
+            gather_indirect(
+                prepared.materials, prepared.lobes, maps.global_, maps.global_radius,
+                ends, len(ends), samples,
+            )  # fmt: skip
+    return Chunk(pixels, samples, rays.traced)
+
+
+def trace_camera(
+    prepared: Prepared, settings: Settings, region: Region, i: int, pixels: Pixels,
+    rays: Rays, samples: NDArray[np.void],
+) -> NDArray[np.void]:  # fmt: skip
+    """Camera chains of ``pixels``: emission and first hits into ``samples``, their ends."""
+    start_paths(
+        prepared.camera, prepared.camera_media, region.x0, region.y0, region.width,
+        region.image_width, settings.seed, i, pixels.start, pixels.stride, pixels.count,
+        rays.origins, rays.directions, rays.paths,
+    )  # fmt: skip
+    return _follow(prepared, settings, rays, pixels.count, False, samples)
+
+
+def trace_gather(
+    prepared: Prepared, settings: Settings, vertices: NDArray[np.void], rays: Rays,
+    samples: NDArray[np.void],
+) -> NDArray[np.void]:  # fmt: skip
+    """Final-gather rays from ``vertices``: their half of direct light, and their ends."""
+    count = start_gather(
+        prepared.materials, prepared.lobes, vertices, len(vertices),
+        rays.origins, rays.directions, rays.paths,
+    )  # fmt: skip
+    return _follow(prepared, settings, rays, count, True, samples)
+
+
+def _follow(
+    prepared: Prepared, settings: Settings, rays: Rays, count: int, gather: bool,
+    samples: NDArray[np.void],
+) -> NDArray[np.void]:  # fmt: skip
+    """Follow ``count`` chains to their ends, which come back as ``VERTEX`` rows."""
+    # The first step ends most chains: the rest add little to a list that fits them.
+    parts: list[NDArray[np.void]] = []
+    while count:
+        rays.traced += count
+        hits = prepared.intersector.nearest(rays.origins[:count], rays.directions[:count])
+        vertices = np.zeros(count, VERTEX)
+        count, stopped = step_paths(
+            prepared.mesh, prepared.materials, prepared.lobes, prepared.lights,
+            prepared.camera, gather, settings.transparent, settings.camera_depth,
+            settings.min_throughput, hits.face, hits.u, hits.v, count, rays.origins,
+            rays.directions, rays.paths, vertices, samples,
+        )  # fmt: skip
+        if stopped:
+            parts.append(vertices[:stopped])
+    if len(parts) == 1:
+        return parts[0]
+    return np.concatenate(parts) if parts else np.zeros(0, VERTEX)
+
+
+def _light_directly(
+    prepared: Prepared, vertices: NDArray[np.void], rays: Rays, samples: NDArray[np.void]
+) -> None:
+    """Next-event estimation at ``vertices``."""
+    count = len(vertices)
+    lengths = np.zeros(count, np.float32)
+    slots = np.zeros(count, np.int32)
+    radiance = np.zeros((count, 3))
+    asked = sample_direct(
+        prepared.mesh, prepared.materials, prepared.lobes, prepared.lights, vertices, count,
+        rays.origins, rays.directions, lengths, slots, radiance,
+    )  # fmt: skip
+    rays.traced += asked
+    free = prepared.intersector.is_free(
+        rays.origins[:asked], rays.directions[:asked], lengths[:asked]
+    )
+    add_direct(free, slots, radiance, asked, samples)

@@ -1,0 +1,85 @@
+"""Direct light: one light is asked at each vertex, weighed against the gather ray."""
+
+from __future__ import annotations
+
+from ..bsdf.dispatch import eval_nonspecular, pdf_nonspecular
+from ..geometry.interaction import leave
+from ..geometry.vector import along, dot, scale, store, subtract, vector
+from ..jit import kernel
+from ..lights.dispatch import FAR, sample_li
+from ..lights.selection import select_light
+from ..sampling.rng import uniform
+from ..scene.tables import Visibility
+from .paths import power_heuristic
+from .records import LIGHT, LIGHT_POINT
+
+_DIFFUSE_BIT = int(Visibility.DIFFUSE)
+
+
+@kernel
+def sample_direct(
+    mesh, materials, lobes, lights, vertices, count,
+    origins, directions, lengths, slots, radiance,
+) -> int:  # fmt: skip
+    """Shadow rays of ``count`` vertices and what each one brings if it is free.
+
+    Next-event estimation with multiple importance sampling. Writes compact rows: rays
+    (n, 3) f4 with ``lengths`` in multiples of the direction, ``slots``, ``radiance``
+    (n, 3). Returns their number.
+    """
+    out = 0
+    for k in range(count):
+        vertex = vertices[k]
+        p = vector(vertex.p)
+        ns = vector(vertex.ns)
+        ng = vector(vertex.ng)
+        wo = vector(vertex.wo)
+        entry, prob = select_light(lights, p, uniform(vertex.key, LIGHT))
+        if entry < 0 or prob <= 0.0:
+            continue
+        if entry < len(lights.lamps) and lights.lamps[entry].visibility & _DIFFUSE_BIT == 0:
+            continue
+        wi, distance, light, pdf_w, delta = sample_li(
+            lights, mesh, materials, entry, p, ns, uniform(vertex.key, LIGHT + 1),
+            uniform(vertex.key, LIGHT_POINT), uniform(vertex.key, LIGHT_POINT + 1),
+        )  # fmt: skip
+        if not pdf_w > 0.0 or dot(wi, ng) <= 0.0:
+            continue
+        material = materials[vertex.row]
+        f = eval_nonspecular(material, lobes, ns, wo, wi)
+        if not max(f) > 0.0:
+            continue
+        weight = dot(wi, ns) / (pdf_w * prob)
+        if not delta:
+            pdf_bsdf = pdf_nonspecular(material, lobes, ns, wo, wi)
+            weight *= power_heuristic(pdf_w * prob, pdf_bsdf)
+        o = leave(p, ng, wi, vertex.offset)
+        d = wi
+        length = FAR
+        if distance < FAR:
+            # From the pushed origin to a place just before the light's surface.
+            d = subtract(along(p, wi, distance), o)
+            length = 1.0 - 2.0 * vertex.offset / distance
+            if length <= 0.0:
+                length = 0.0
+        store(origins[out], o)
+        store(directions[out], d)
+        lengths[out] = length
+        slots[out] = vertex.slot
+        brought = scale((f[0] * light[0], f[1] * light[1], f[2] * light[2]), weight)
+        radiance[out, 0] = vertex.beta[0] * brought[0]
+        radiance[out, 1] = vertex.beta[1] * brought[1]
+        radiance[out, 2] = vertex.beta[2] * brought[2]
+        out += 1
+    return out
+
+
+@kernel
+def add_direct(free, slots, radiance, count, samples) -> None:
+    """Add what the free shadow rays bring to their pixels."""
+    for k in range(count):
+        if free[k]:
+            target = samples[slots[k]].direct
+            target[0] += radiance[k, 0]
+            target[1] += radiance[k, 1]
+            target[2] += radiance[k, 2]

@@ -1,0 +1,209 @@
+"""Specular chains: from the lens, or from a gather point, to the next wide scatterer."""
+
+from __future__ import annotations
+
+from ..bsdf.dispatch import albedo_nonspecular, lobe_weights
+from ..bsdf.specular import scatter_specular
+from ..camera.lens import camera_ray
+from ..geometry.interaction import interact, leave
+from ..geometry.media import copy_media, cross_surface
+from ..geometry.vector import Vector, dot, read, scale, store, subtract, vector
+from ..jit import kernel
+from ..lights.dispatch import FAR, pdf_emitter_hit, see_lamp
+from ..lights.selection import selection_probability
+from ..lights.world import pdf_world
+from ..sampling.rng import CAMERA, stream, uniform
+from ..scene.tables import Visibility
+from .records import CHAIN, CHAIN_STEP, FILTER, LENS
+
+_CAMERA_BIT = int(Visibility.CAMERA)
+_DIFFUSE_BIT = int(Visibility.DIFFUSE)
+_GLOSSY_BIT = int(Visibility.GLOSSY)
+_TRANSMISSION_BIT = int(Visibility.TRANSMISSION)
+
+
+@kernel
+def start_paths(
+    camera, camera_media, x0, y0, width, image_width, seed, i, start, stride, count,
+    origins, directions, paths,
+) -> None:  # fmt: skip
+    """Camera rays of pixels ``start``, ``start + stride`` ... of a region in pass ``i``.
+
+    The region begins at pixel (x0, y0) and is ``width`` wide. A pixel's random numbers
+    hang on its place in the whole image, so a border render shows the same picture.
+    """
+    for k in range(count):
+        pixel = start + k * stride
+        x = x0 + pixel % width
+        y = y0 + pixel // width
+        key = stream(seed, CAMERA, i, y * image_width + x)
+        o, d = camera_ray(
+            camera, x, y, uniform(key, FILTER), uniform(key, FILTER + 1),
+            uniform(key, LENS), uniform(key, LENS + 1),
+        )  # fmt: skip
+        path = paths[k]
+        path.key = key
+        path.slot = k
+        path.depth = 0
+        path.event = _CAMERA_BIT
+        path.length = 0.0
+        path.pdf_w = 0.0
+        store(path.beta, (1.0, 1.0, 1.0))
+        store(path.direction, d)
+        path.media_count = camera_media[0]
+        for j in range(camera_media[0]):
+            path.media[j] = camera_media[1 + j]
+        store(origins[k], o)
+        store(directions[k], d)
+
+
+@kernel
+def add(target, beta, radiance: Vector, weight: float) -> None:
+    """Add ``beta * radiance * weight`` to a layer's pixel."""
+    target[0] += beta[0] * radiance[0] * weight
+    target[1] += beta[1] * radiance[1] * weight
+    target[2] += beta[2] * radiance[2] * weight
+
+
+@kernel
+def power_heuristic(pdf: float, other: float) -> float:
+    """Weight of a sample with density ``pdf`` beside another technique (Veach 1997, 9.2)."""
+    a = pdf * pdf
+    b = other * other
+    return a / (a + b) if a + b > 0.0 else 0.0
+
+
+@kernel
+def _see_light(path, sample, lights, entry: int, radiance: Vector, pdf_light: float) -> None:
+    """A light is hit: emission for a camera chain, one half of direct light for a gather.
+
+    A gather path sees light only before its first specular surface: behind one it would
+    be a caustic, and those come from the photons.
+    """
+    if path.pdf_w == 0.0:
+        add(sample.emission, path.beta, radiance, 1.0)
+    elif path.event == _DIFFUSE_BIT:
+        prob = selection_probability(lights, vector(path.origin), entry)
+        add(
+            sample.direct, path.beta, radiance, power_heuristic(path.pdf_w, prob * pdf_light)
+        )
+
+
+@kernel
+def _see_lamps(path, sample, lights, o: Vector, d: Vector, reach: float) -> None:
+    """Lamps whose shape the ray passes before ``reach``; they do not stop it."""
+    for j in range(len(lights.shaped)):
+        entry = lights.shaped[j]
+        lamp = lights.lamps[entry]
+        if (lamp.visibility & path.event) == 0:
+            continue
+        t, radiance, pdf_w = see_lamp(lamp, o, d)
+        if 0.0 < t and t <= reach:
+            _see_light(path, sample, lights, entry, radiance, pdf_w)
+
+
+@kernel
+def _see_world(path, sample, lights, transparent: bool) -> None:
+    """A ray that leaves the scene."""
+    if transparent and path.event == _CAMERA_BIT:
+        return
+    world = vector(lights.world)
+    if world[0] + world[1] + world[2] > 0.0:
+        entry = len(lights.lamps) + 1
+        pdf_w = pdf_world(vector(path.normal), vector(path.direction))
+        _see_light(path, sample, lights, entry, world, pdf_w)
+    sample.alpha = 1.0
+
+
+@kernel
+def _first_hit(sample, camera, p: Vector, ns: Vector) -> None:
+    """Depth and normal of what the pixel shows."""
+    sample.hit = 1.0
+    sample.alpha = 1.0
+    eye = subtract(p, read(camera.position.reshape(1, 3), 0))
+    sample.depth = dot(eye, read(camera.axes, 2))
+    store(sample.normal, ns)
+
+
+@kernel
+def step_paths(
+    mesh, materials, lobes, lights, camera, gather, transparent, most_depth, min_throughput,
+    hit_face, hit_u, hit_v, count, origins, directions, paths, vertices, samples,
+):  # fmt: skip
+    """One surface for each path: see lights, stop or scatter, compact.
+
+    Returns (paths still on a chain, vertices written). ``gather`` tells that the paths
+    are final-gather paths.
+    """
+    alive = 0
+    stopped = 0
+    for k in range(count):
+        path = paths[k]
+        sample = samples[path.slot]
+        d = vector(path.direction)
+        o = read(origins, k)
+        if hit_face[k] < 0:
+            _see_lamps(path, sample, lights, o, d, FAR)
+            _see_world(path, sample, lights, transparent)
+            continue
+        wo = scale(d, -1.0)
+        face = hit_face[k]
+        p, ng, ns, entering, offset = interact(mesh, face, hit_u[k], hit_v[k], wo)
+        way = dot(subtract(p, o), d)
+        _see_lamps(path, sample, lights, o, d, way)
+        row = mesh.material[face]
+        emission = vector(materials[row].emission)
+        if emission[0] + emission[1] + emission[2] > 0.0:
+            pdf_w = pdf_emitter_hit(lights, mesh, materials, face, d, way)
+            _see_light(path, sample, lights, len(lights.lamps), emission, pdf_w)
+        path.length += way
+        if path.event == _CAMERA_BIT:
+            _first_hit(sample, camera, p, ns)
+        rough, smooth = lobe_weights(materials[row], lobes)
+        if rough + smooth <= 0.0:
+            continue
+        base = CHAIN + CHAIN_STEP * path.depth
+        path.depth += 1
+        if uniform(path.key, base) * (rough + smooth) >= smooth:
+            share = (rough + smooth) / rough
+            vertex = vertices[stopped]
+            stopped += 1
+            vertex.key = path.key
+            vertex.slot = path.slot
+            vertex.depth = path.depth
+            vertex.row = row
+            vertex.offset = offset
+            vertex.length = path.length
+            store(vertex.p, p)
+            store(vertex.ng, ng)
+            store(vertex.ns, ns)
+            store(vertex.wo, wo)
+            store(vertex.beta, scale(vector(path.beta), share))
+            copy_media(vertex, path)
+            if not gather:
+                add(sample.albedo, vertex.beta, albedo_nonspecular(materials[row], lobes), 1.0)
+            continue
+        if path.depth >= most_depth:
+            continue
+        wi, weight, transmitted, eta = scatter_specular(
+            materials, lobes, path, row, ng, ns, entering, wo,
+            uniform(path.key, base + 1), uniform(path.key, base + 2),
+        )  # fmt: skip
+        factor = (rough + smooth) / smooth
+        if transmitted:
+            # Radiance, unlike flux, is squeezed with the solid angle (Veach 1997, 5.2).
+            factor /= eta * eta
+            cross_surface(path, row, entering)
+        path.beta[0] *= weight[0] * factor
+        path.beta[1] *= weight[1] * factor
+        path.beta[2] *= weight[2] * factor
+        if not max(path.beta[0], path.beta[1], path.beta[2]) > min_throughput:
+            continue
+        path.event = _TRANSMISSION_BIT if transmitted else _GLOSSY_BIT
+        store(path.direction, wi)
+        if alive != k:
+            paths[alive] = paths[k]
+        store(origins[alive], leave(p, ng, wi, offset))
+        store(directions[alive], wi)
+        alive += 1
+    return alive, stopped

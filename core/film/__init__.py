@@ -1,0 +1,1 @@
+"""What has been rendered so far, and how wrong it still is."""

@@ -1,0 +1,1 @@
+"""Where rays meet surfaces: the intersector, the hit and the medium around the ray."""

@@ -1,0 +1,58 @@
+"""Ray queries in batches through Embree (embreex)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import NDArray
+
+from .mesh import Mesh
+
+
+class Hits(NamedTuple):
+    """Nearest hits: face (N,) i4, -1 = none; u, v (N,) f4 barycentrics of corners 1, 2."""
+
+    face: NDArray[np.int32]
+    u: NDArray[np.float32]
+    v: NDArray[np.float32]
+
+
+class Intersector:
+    """Embree over one merged mesh; queries release the GIL and may run in many threads."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        self._scene = None
+        if len(mesh.faces):
+            self._scene = EmbreeScene()
+            TriangleMesh(self._scene, mesh.vertices, mesh.faces)
+            # The scene commits inside the first query: it must not happen in two threads.
+            probe = np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32)
+            self._scene.run(*probe, query="INTERSECT", output=1)
+
+    def nearest(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> Hits:
+        """First hit of each ray; origins and directions (N, 3) f4, any length."""
+        count = len(origins)
+        if self._scene is None or count == 0:
+            nothing = np.zeros(count, np.float32)
+            return Hits(np.full(count, -1, np.int32), nothing, nothing)
+        found = self._scene.run(origins, directions, query="INTERSECT", output=1)
+        return Hits(found["primID"], found["u"], found["v"])
+
+    def is_free(
+        self,
+        origins: NDArray[np.float32],
+        directions: NDArray[np.float32],
+        lengths: NDArray[np.float32],
+    ) -> NDArray[np.bool_]:
+        """Whether nothing lies between origin and origin + length * direction.
+
+        ``lengths`` (N,) f4, in multiples of the direction; its content is lost.
+        """
+        if self._scene is None or len(origins) == 0:
+            return np.ones(len(origins), np.bool_)
+        found = self._scene.run(origins, directions, lengths, query="OCCLUDED")
+        free: NDArray[np.bool_] = found != 0
+        return free

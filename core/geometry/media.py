@@ -1,0 +1,98 @@
+"""What a ray is inside of: a stack of dielectric materials.
+
+A path's ``media`` holds material rows, innermost last, ``media_count`` of them. A mesh
+that is left without having been entered (open, flipped, or the path began inside) is
+taken as if the path had been inside it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..jit import kernel
+from .intersector import Intersector
+from .mesh import Mesh
+
+#: Deepest nesting that is told apart; a deeper medium is passed as if it were not there.
+STACK = 8
+
+
+@kernel
+def ior_around(materials, path, material: int, entering: bool) -> float:
+    """Index on the far side of ``material``'s own medium at its surface."""
+    last = path.media_count - 1
+    if not entering:
+        # The topmost entry of this material is the one being left.
+        for k in range(path.media_count - 1, -1, -1):
+            if path.media[k] == material:
+                if k == last:
+                    last -= 1
+                break
+    if last < 0:
+        return 1.0
+    return materials[path.media[last]].ior
+
+
+@kernel
+def cross_surface(path, material: int, entering: bool) -> None:
+    """Push or remove ``material`` after a refraction through its surface."""
+    if entering:
+        if path.media_count < STACK:
+            path.media[path.media_count] = material
+            path.media_count += 1
+        return
+    for k in range(path.media_count - 1, -1, -1):
+        if path.media[k] == material:
+            for j in range(k, path.media_count - 1):
+                path.media[j] = path.media[j + 1]
+            path.media_count -= 1
+            return
+
+
+@kernel
+def copy_media(target, source) -> None:
+    """Copy a path's stack to another record."""
+    target.media_count = source.media_count
+    for k in range(source.media_count):
+        target.media[k] = source.media[k]
+
+
+def enclosing_media(
+    intersector: Intersector,
+    mesh: Mesh,
+    materials: NDArray[np.void],
+    point: NDArray[np.float64],
+) -> list[int]:
+    """Dielectrics around ``point`` (3,), outermost first: what a path from there is in.
+
+    Walks along one ray to the outside: a medium that is left more often than it was
+    entered on the way lies around the point. Only closed meshes count that way.
+    """
+    direction = np.array([0.2672612, 0.5345225, 0.8017837])
+    position = np.array(point, dtype=np.float64)
+    balance: dict[int, int] = {}
+    left: list[int] = []
+    for _ in range(1024):
+        hits = intersector.nearest(
+            position[None].astype(np.float32), direction[None].astype(np.float32)
+        )
+        face = int(hits.face[0])
+        if face < 0:
+            break
+        a, b, c = mesh.vertices[mesh.faces[face]].astype(np.float64)
+        u, v = float(hits.u[0]), float(hits.v[0])
+        hit = (1 - u - v) * a + u * b + v * c
+        normal = np.cross(b - a, c - a)
+        row = int(mesh.material[face])
+        if materials["ior"][row] > 0:
+            if normal @ direction > 0:
+                if balance.get(row, 0) > 0:
+                    balance[row] -= 1
+                else:
+                    left.append(row)
+            else:
+                balance[row] = balance.get(row, 0) + 1
+        step = 2e-6 * max(np.abs(mesh.vertices[mesh.faces[face]]).max(), np.abs(hit).max())
+        position = hit + direction * max(step, 1e-12)
+    return left[::-1][-STACK:]

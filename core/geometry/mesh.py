@@ -1,0 +1,69 @@
+"""The triangles as kernels see them: centred, float32, with what a hit needs."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.scene import Scene
+
+
+class Mesh(NamedTuple):
+    """Merged triangles around ``Centre.origin``.
+
+    vertices (V, 3) f4; faces (F, 3) i4; normals (F, 3, 3) f4 or zeros where flat;
+    smooth (F,) bool; material (F,) i4.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.int32]
+    normals: NDArray[np.float32]
+    smooth: NDArray[np.bool_]
+    material: NDArray[np.int32]
+
+
+class Centre(NamedTuple):
+    """Where the centred scene lies: world = origin + centred, ``radius`` bounds it."""
+
+    origin: NDArray[np.float64]
+    radius: float
+
+
+def centre_of(scene: Scene) -> Centre:
+    """Middle of the scene's box (lights and camera left out) and its bounding radius.
+
+    Float32 keeps 7 digits: rays must be cut near the origin, wherever the scene stands.
+    """
+    if len(scene.faces) == 0:
+        return Centre(np.zeros(3), 1.0)
+    used = scene.vertices[np.unique(scene.faces)]
+    low, high = used.min(axis=0), used.max(axis=0)
+    origin = (low + high) / 2
+    radius = float(np.sqrt(((used - origin) ** 2).sum(axis=1).max()))
+    return Centre(origin, radius if radius > 0 else 1.0)
+
+
+def centred_mesh(scene: Scene, centre: Centre) -> Mesh:
+    """The scene's triangles relative to ``centre``."""
+    if len(scene.faces) == 0:
+        return _empty_mesh()
+    return Mesh(
+        vertices=np.ascontiguousarray(scene.vertices - centre.origin, dtype=np.float32),
+        faces=np.ascontiguousarray(scene.faces),
+        normals=np.ascontiguousarray(scene.corner_normals),
+        smooth=np.abs(scene.corner_normals).sum(axis=2).min(axis=1) > 0,
+        material=np.ascontiguousarray(scene.face_material),
+    )
+
+
+def _empty_mesh() -> Mesh:
+    """No triangle; kernels never index it because nothing is ever hit."""
+    return Mesh(
+        vertices=np.zeros((0, 3), np.float32),
+        faces=np.zeros((0, 3), np.int32),
+        normals=np.zeros((0, 3, 3), np.float32),
+        smooth=np.zeros(0, np.bool_),
+        material=np.zeros(0, np.int32),
+    )

@@ -1,0 +1,119 @@
+"""How lights send photons out, for every kind of light.
+
+A *local* entry has an anchor (a point of its surface, or a lamp's centre) and sends
+directions from there; a *distant* one (sun, world) has a direction and sends parallel
+beams through a disc. Both can be aimed (``photons/aim``): the density is divided out.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..geometry.vector import Vector, dot, scale, to_world, vector
+from ..jit import kernel
+from ..sampling.warps import (
+    sample_cosine_hemisphere,
+    sample_disk,
+    sample_sphere,
+)
+from .dispatch import (
+    DISK,
+    RECTANGLE,
+    SPOT,
+    SUN,
+    area_of,
+    cone_direction,
+    sample_area_point,
+    spot_scale,
+    sun_radiance,
+    sun_versine,
+)
+from .mesh import face_normal, sample_emitter
+from .point import beam_origin
+
+_NONE = (0.0, 0.0, 0.0)
+
+
+@kernel
+def sample_anchor(lights, mesh, materials, entry: int, u_face: float, u: float, v: float):
+    """Where a local entry sends from: (anchor, normal, margin, face).
+
+    ``normal`` is the shining side's, or zero for lamps that shine all around; beams start
+    within ``margin`` of the anchor's axis; ``face`` is -1 for lamps.
+    """
+    if entry == len(lights.lamps):
+        face, p = sample_emitter(mesh, lights.emitters, u_face, u, v)
+        return p, _NONE, 0.0, face
+    lamp = lights.lamps[entry]
+    if lamp.kind == RECTANGLE or lamp.kind == DISK:
+        p = sample_area_point(lamp, lamp.kind == DISK, u, v)
+        return p, scale(vector(lamp.axis_z), -1.0), 0.0, -1
+    return vector(lamp.position), _NONE, lamp.radius, -1
+
+
+@kernel
+def sample_natural(lights, mesh, entry: int, face: int, u_side: float, u: float, v: float):
+    """Direction of an unaimed photon of a local entry, about as it emits: (w, pdf_w)."""
+    if entry == len(lights.lamps):
+        n = face_normal(mesh, face)
+        if u_side < 0.5:
+            n = scale(n, -1.0)
+        local = sample_cosine_hemisphere(u, v)
+        return to_world(local, n), 0.5 * local[2] / math.pi
+    lamp = lights.lamps[entry]
+    if lamp.kind == RECTANGLE or lamp.kind == DISK:
+        local = sample_cosine_hemisphere(u, v)
+        return to_world(local, scale(vector(lamp.axis_z), -1.0)), local[2] / math.pi
+    if lamp.kind == SPOT:
+        versine = 1.0 - lamp.cos_outer
+        w = cone_direction(scale(vector(lamp.axis_z), -1.0), versine, u, v)
+        return w, 1.0 / (2.0 * math.pi * versine)
+    return sample_sphere(u, v), 1.0 / (4.0 * math.pi)
+
+
+@kernel
+def emitted(
+    lights, mesh, materials, entry: int, face: int, anchor: Vector, w: Vector, u: float, v: float
+):
+    """Start and power per solid angle of the photon along ``w``: (origin, normal, (3,) W/sr).
+
+    Divide by the ``pdf_w`` of the direction for its flux. ``normal`` is that of the
+    surface it starts on, zero for lamps (they are no surfaces that rays can hit).
+    """
+    if entry == len(lights.lamps):
+        n = face_normal(mesh, face)
+        # pdf_a is mean radiance over power: colour remains, brightness cancels.
+        e = vector(materials[mesh.material[face]].emission)
+        share = abs(dot(n, w)) * lights.emitters.power * 3.0 / (e[0] + e[1] + e[2])
+        return anchor, n, scale(e, share)
+    lamp = lights.lamps[entry]
+    e = vector(lamp.emission)
+    if lamp.kind == RECTANGLE or lamp.kind == DISK:
+        cos_light = max(0.0, -dot(w, vector(lamp.axis_z)))
+        return anchor, _NONE, scale(e, cos_light * area_of(lamp, lamp.kind == DISK))
+    x, y = sample_disk(u, v)
+    origin = beam_origin(anchor, lamp.radius, w, x, y)
+    return origin, _NONE, scale(e, spot_scale(lamp, w))
+
+
+@kernel
+def sample_distant(lights, entry: int, u: float, v: float):
+    """Direction of a distant entry's beam and its irradiance: (w, (3,) W/m^2)."""
+    if entry == len(lights.lamps) + 1:
+        return sample_sphere(u, v), scale(vector(lights.world), 4.0 * math.pi)
+    lamp = lights.lamps[entry]
+    e = vector(lamp.emission)
+    from_sun = scale(vector(lamp.axis_z), -1.0)
+    if lamp.angle <= 0.0 or lamp.kind != SUN:
+        return from_sun, e
+    versine = sun_versine(lamp.angle)
+    w = cone_direction(from_sun, versine, u, v)
+    return w, scale(e, sun_radiance(lamp.angle) * 2.0 * math.pi * versine)
+
+
+@kernel
+def first_visibility(lights, entry: int) -> int:
+    """Visibility bits of an entry (``tables.Visibility``); faces and world: all."""
+    if entry < len(lights.lamps):
+        return lights.lamps[entry].visibility
+    return 15

@@ -1,0 +1,85 @@
+"""One pass's photons: batches to trace, and their maps."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .camera_pass.chunk import PhotonMaps, Region
+from .plan import Plan
+from .prepared import Prepared
+from .sampling.rng import PHOTON_CAUSTIC, PHOTON_GLOBAL
+from .settings import Settings
+from .pilot import PILOT_PASS, Radii, first_radii
+from .photons.photon_map import build_photon_map
+from .photons.radius import radius_factor
+from .photons.trace import Walk, trace_photons
+
+
+class Batch(NamedTuple):
+    """A slice of the photon paths of one kind in one pass."""
+
+    caustic: bool
+    start: int
+    count: int
+    total: int
+
+
+def photon_batches(plan: Plan, settings: Settings) -> list[Batch]:
+    """Cut the photons of a pass into batches of at most ``chunk_size`` paths."""
+    batches: list[Batch] = []
+    for caustic, on, total in (
+        (True, plan.is_on("caustics"), settings.photons_caustic),
+        (False, plan.is_on("indirect"), settings.photons_global),
+    ):
+        if not on:
+            continue
+        for start in range(0, total, settings.chunk_size):
+            batches.append(
+                Batch(caustic, start, min(settings.chunk_size, total - start), total)
+            )
+    return batches
+
+
+def trace_batch(prepared: Prepared, settings: Settings, i: int, batch: Batch) -> Walk:
+    """Emit and trace one batch of pass ``i``."""
+    light_cdf = prepared.aim.light_cdf if batch.caustic else prepared.lights.photon_cdf
+    purpose = PHOTON_CAUSTIC if batch.caustic else PHOTON_GLOBAL
+    return trace_photons(
+        prepared, prepared.aim.spheres, light_cdf, batch.caustic, settings, purpose, i,
+        batch.start, batch.count, batch.total,
+    )  # fmt: skip
+
+
+def pilot_radii(
+    prepared: Prepared, settings: Settings, region: Region, batches: list[Batch]
+) -> Radii:
+    """Radii of pass 0, from a pilot pass with random numbers of its own."""
+    walks = [
+        trace_batch(prepared, settings, PILOT_PASS, batch)
+        for batch in batches
+        if not batch.caustic
+    ]
+    positions = [walk.photons["position"].astype(np.float64) for walk in walks]
+    photons = np.concatenate(positions) if positions else np.zeros((0, 3))
+    return first_radii(prepared, settings, region, photons)
+
+
+def photon_maps(
+    settings: Settings, radii: Radii, i: int, batches: list[Batch], walks: list[Walk]
+) -> PhotonMaps:
+    """Sort the walks of pass ``i`` into maps, with the radii of that pass."""
+    factor = radius_factor(i, settings.alpha)
+    caustic = [w for b, w in zip(batches, walks, strict=True) if b.caustic]
+    global_ = [w for b, w in zip(batches, walks, strict=True) if not b.caustic]
+    footprints, least, most, cell = (factor * r for r in radii.caustic)
+    return PhotonMaps(
+        caustic=build_photon_map(caustic, cell) if caustic else None,
+        global_=build_photon_map(global_, 2 * factor * radii.global_) if global_ else None,
+        caustic_radii=(footprints, least, most),
+        global_radius=factor * radii.global_,
+        emitted=sum(b.count for b in batches),
+        stored=sum(len(w.photons) for w in walks),
+        rays=sum(w.rays for w in walks),
+    )

@@ -1,0 +1,1 @@
+"""The photon pass: from the lights to the photon maps, and asking them."""

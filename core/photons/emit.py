@@ -1,0 +1,121 @@
+"""Photons leave the lights: by power over the whole scene, or aimed at the casters."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..geometry.interaction import OFFSET
+from ..geometry.media import STACK
+from ..geometry.vector import Vector, along, dot, store, to_world
+from ..jit import kernel
+from ..lights.emission import (
+    emitted,
+    first_visibility,
+    sample_anchor,
+    sample_distant,
+    sample_natural,
+)
+from ..sampling.distributions import probability, sample_discrete
+from ..sampling.rng import mix, sobol_2d, stream, uniform
+from ..sampling.warps import sample_disk
+from .aim import aim_distant, aim_local
+
+#: One photon on its way. ``flux`` [W] per channel; ``direction`` of travel; ``index`` of
+#: its path in the pass; ``specular`` tells that every surface so far was; ``visibility``
+#: bits of its light.
+PHOTON_PATH = np.dtype(
+    [
+        ("key", "u8"),
+        ("index", "i8"),
+        ("flux", "f8", 3),
+        ("direction", "f8", 3),
+        ("depth", "i4"),
+        ("specular", "i4"),
+        ("visibility", "i4"),
+        ("media_count", "i4"),
+        ("media", "i4", STACK),
+    ],
+    align=True,
+)
+
+# Dimensions of a photon's stream that emission uses; the bounces follow.
+_FACE, _SIDE = 0, 1
+FIRST_BOUNCE = 8
+
+
+@kernel
+def _distant_origin(lights, spheres, aimed: bool, w: Vector, u_disc, u, v):
+    """Start of a distant light's beam outside the scene: (origin, pdf_a)."""
+    if aimed:
+        p, pdf_a = aim_distant(spheres, w, u_disc, u, v)
+    else:
+        x, y = sample_disk(u, v)
+        p = to_world((lights.radius * x, lights.radius * y, 0.0), w)
+        pdf_a = 1.0 / (math.pi * lights.radius * lights.radius)
+    back = 1.01 * lights.radius + dot(p, w)
+    return along(p, w, -back), pdf_a
+
+
+@kernel
+def emit_photons(
+    mesh, materials, lights, light_media, spheres, light_cdf, aimed, seed, purpose, i,
+    start, count, total, origins, directions, paths,
+):  # fmt: skip
+    """Emit photon paths ``start``..``start + count`` of ``total``: how many have power.
+
+    Writes rays into ``origins`` and ``directions`` (n, 3) f4 and records into ``paths``
+    (n,) ``PHOTON_PATH``. Photons of a pass are points of one scrambled sequence, so they
+    are stratified over lights, positions and directions.
+    """
+    out = 0
+    scramble = stream(seed, purpose, i, -1)
+    for k in range(start, start + count):
+        key = stream(seed, purpose, i, k)
+        u_light, u_cone = sobol_2d(k, mix(scramble + np.uint64(1)))
+        u, v = sobol_2d(k, mix(scramble + np.uint64(2)))
+        s, t = sobol_2d(k, mix(scramble + np.uint64(3)))
+        entry = sample_discrete(light_cdf, u_light)
+        prob = probability(light_cdf, entry)
+        if prob <= 0.0:
+            continue
+        if lights.distant[entry]:
+            w, power = sample_distant(lights, entry, s, t)
+            origin, pdf = _distant_origin(lights, spheres, aimed, w, u_cone, u, v)
+        else:
+            anchor, normal, margin, face = sample_anchor(
+                lights, mesh, materials, entry, uniform(key, _FACE), s, t
+            )
+            if aimed:
+                w, pdf = aim_local(spheres, anchor, normal, margin, u_cone, u, v)
+            else:
+                w, pdf = sample_natural(lights, mesh, entry, face, uniform(key, _SIDE), u, v)
+            origin, n, power = emitted(
+                lights, mesh, materials, entry, face, anchor, w, s, t
+            )
+            if face >= 0:
+                reach = max(abs(origin[0]), abs(origin[1]), abs(origin[2]))
+                side = OFFSET * (lights.radius if reach < lights.radius else reach)
+                origin = along(origin, n, side if dot(n, w) > 0.0 else -side)
+        if pdf <= 0.0:
+            continue
+        share = 1.0 / (pdf * prob * total)
+        flux = (power[0] * share, power[1] * share, power[2] * share)
+        if not (flux[0] + flux[1] + flux[2] > 0.0):
+            continue
+        path = paths[out]
+        path.key = key
+        path.index = k
+        path.depth = 0
+        path.specular = 1
+        path.visibility = first_visibility(lights, entry)
+        store(path.flux, flux)
+        store(path.direction, w)
+        path.media_count = light_media[entry, 0]
+        for j in range(light_media[entry, 0]):
+            path.media[j] = light_media[entry, 1 + j]
+        store(origins[out], origin)
+        store(directions[out], w)
+        out += 1
+    return out

@@ -1,0 +1,90 @@
+"""Photons sorted into the cells of a hashed grid, so that neighbours lie together."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..jit import kernel
+from .trace import PHOTON, Walk
+
+_X = np.uint64(0x9E3779B97F4A7C15)
+_SHIFT = 21  # bits a coordinate has in a cell's key
+_HALF = 1 << 20
+
+
+class PhotonMap(NamedTuple):
+    """One pass's photons of one kind.
+
+    photons (N,) ``PHOTON`` in bucket order; keys (N,) i8 the cell of each; start (B+1,)
+    i4 first photon of each bucket, B a power of two; cell: edge [m].
+    """
+
+    photons: NDArray[np.void]
+    keys: NDArray[np.int64]
+    start: NDArray[np.int32]
+    cell: float
+
+
+def build_photon_map(walks: list[Walk], cell: float) -> PhotonMap:
+    """Sort the photons of ``walks`` into cells of edge ``cell``.
+
+    They are first put into the order of their paths, so that the sums of a query come
+    out the same bit for bit whatever batches they were traced in.
+    """
+    photons = np.concatenate([w.photons for w in walks]) if walks else np.zeros(0, PHOTON)
+    order = np.concatenate([w.order for w in walks]) if walks else np.zeros(0, np.int64)
+    buckets = 1 << max(4, math.ceil(math.log2(max(1, len(photons)))))
+    first = np.argsort(order, kind="stable")
+    sorted_photons = np.zeros(len(photons), PHOTON)
+    keys = np.zeros(len(photons), np.int64)
+    start = np.zeros(buckets + 1, np.int32)
+    sort_into_cells(photons, first, cell, sorted_photons, keys, start)
+    return PhotonMap(sorted_photons, keys, start, cell)
+
+
+@kernel
+def cell_key(x: int, y: int, z: int) -> int:
+    """One number for a cell; cells 2^21 apart share it, farther than float32 reaches."""
+    mask = (1 << _SHIFT) - 1
+    return (
+        ((x + _HALF) & mask)
+        | (((y + _HALF) & mask) << _SHIFT)
+        | (((z + _HALF) & mask) << (2 * _SHIFT))
+    )
+
+
+@kernel
+def bucket_of(key: int, buckets: int) -> int:
+    """Bucket of a cell in a table whose size is a power of two."""
+    h = np.uint64(key) * _X
+    return int((h >> np.uint64(32)) & np.uint64(buckets - 1))
+
+
+@kernel
+def sort_into_cells(photons, order, cell, sorted_photons, keys, start) -> None:
+    """Counting sort by bucket, stable in ``order``."""
+    count = len(photons)
+    buckets = len(start) - 1
+    own = np.zeros(count, np.int64)
+    bucket = np.zeros(count, np.int32)
+    for j in range(count):
+        p = photons[order[j]].position
+        own[j] = cell_key(
+            int(math.floor(p[0] / cell)),
+            int(math.floor(p[1] / cell)),
+            int(math.floor(p[2] / cell)),
+        )
+        bucket[j] = bucket_of(own[j], buckets)
+        start[bucket[j] + 1] += 1
+    for b in range(buckets):
+        start[b + 1] += start[b]
+    place = start[:-1].copy()
+    for j in range(count):
+        k = place[bucket[j]]
+        place[bucket[j]] += 1
+        sorted_photons[k] = photons[order[j]]
+        keys[k] = own[j]

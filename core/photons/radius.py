@@ -1,0 +1,17 @@
+"""Gather radii: where they start and how they shrink from pass to pass.
+
+Knaus & Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", eq. 15:
+r_{i+1}^2 = r_i^2 (i + alpha) / (i + 1), so the variance of the mean and its bias both
+go to zero; alpha = 2/3 balances them (Kaplanyan & Dachsbacher 2013).
+"""
+
+from __future__ import annotations
+
+from math import exp, lgamma, sqrt
+
+
+def radius_factor(i: int, alpha: float) -> float:
+    """r_i / r_0 for pass ``i`` counted from 0, in closed form through gamma functions."""
+    # prod_{k=1}^{i} (k + alpha) / (k + 1) = Gamma(i+1+alpha) / (Gamma(1+alpha) Gamma(i+2))
+    log_ratio = lgamma(i + 1 + alpha) - lgamma(1 + alpha) - lgamma(i + 2)
+    return sqrt(exp(log_ratio))

@@ -1,0 +1,65 @@
+"""The pilot: a few paths and photons that tell how large the first gather discs must be."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera_pass.caustics import footprints
+from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather
+from .film.film import SAMPLE
+from .prepared import Prepared
+from .settings import Settings
+
+#: Pass number of the pilot's random streams; no real pass reaches it.
+PILOT_PASS = 1 << 40
+#: Pixels that the pilot looks at, at most.
+PIXELS = 4096
+#: Photons in the first disc of the final gather's map.
+GLOBAL_NEIGHBOURS = 40
+#: The grid's cells suit discs of the usual size; this bounds the others, as factors.
+SPREAD = 4.0
+
+
+class Radii(NamedTuple):
+    """Radii of pass 0. ``caustic``: pixel footprints, least, most, cell; ``global_`` [m]."""
+
+    caustic: tuple[float, float, float, float]
+    global_: float
+
+
+def first_radii(
+    prepared: Prepared, settings: Settings, region: Region, photons: NDArray[np.float64]
+) -> Radii:
+    """Radii from what the camera sees and how dense the pilot's global ``photons`` lie.
+
+    ``photons`` (P, 3): positions of one pass's global photons, centred.
+    """
+    total = region.width * region.height
+    stride = max(1, total // PIXELS)
+    pixels = Pixels(0, total // stride, stride)
+    samples = np.zeros(pixels.count, SAMPLE)
+    rays = Rays(pixels.count)
+    vertices = trace_camera(prepared, settings, region, PILOT_PASS, pixels, rays, samples)
+    ends = trace_gather(prepared, settings, vertices, rays, samples)
+    size = prepared.centre.radius
+    seen = footprints(prepared.camera, np.ascontiguousarray(vertices["length"]))
+    typical = float(np.median(seen)) if len(seen) else 1e-3 * size
+    typical = max(typical * settings.caustic_radius, 1e-7 * size)
+    caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, 2 * typical)
+    return Radii(caustic, _global_radius(photons, ends["p"], size))
+
+
+def _global_radius(
+    photons: NDArray[np.float64], ends: NDArray[np.float64], size: float
+) -> float:
+    """Median distance to the k-th photon at the ends of the gather rays."""
+    from scipy.spatial import cKDTree
+
+    k = min(GLOBAL_NEIGHBOURS, len(photons))
+    if k == 0 or len(ends) == 0:
+        return 0.05 * size
+    distance, _ = cKDTree(photons).query(ends, k=[k])
+    return float(np.clip(np.median(distance), 1e-6 * size, size))

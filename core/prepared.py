@@ -1,0 +1,79 @@
+"""A scene made ready for its passes: centred, committed to Embree, lights weighed."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera.perspective import CameraTables, camera_tables
+from .film.filters import filter_table
+from .geometry.intersector import Intersector
+from .geometry.media import STACK, enclosing_media
+from .geometry.mesh import Centre, Mesh, centre_of, centred_mesh
+from .lights.light_set import LightSet, light_set
+from .photons.aim import Aim, aim_at
+from .scene.scene import Scene, SceneError
+from .settings import Settings
+
+
+class Prepared(NamedTuple):
+    """What every pass reads; nothing in it changes during a render.
+
+    ``light_media`` (N+2, 1 + STACK) i4 and ``camera_media`` (1 + STACK,): count and rows
+    of the media that the light or the camera stands in.
+    """
+
+    mesh: Mesh
+    centre: Centre
+    materials: NDArray[np.void]
+    lobes: NDArray[np.void]
+    lights: LightSet
+    light_media: NDArray[np.int32]
+    camera: CameraTables
+    camera_media: NDArray[np.int32]
+    aim: Aim
+    intersector: Intersector
+
+
+def prepare(scene: Scene, settings: Settings) -> Prepared:
+    """Build the tables and the ray tracer of ``scene``; raises ``SceneError``."""
+    if scene.camera is None:
+        raise SceneError(
+            f"scene '{scene.name}' has no camera: add one and make it the scene's camera"
+        )
+    centre = centre_of(scene)
+    mesh = centred_mesh(scene, centre)
+    intersector = Intersector(mesh)
+    lights = light_set(scene, mesh, centre)
+    camera = camera_tables(
+        scene.camera, centre, filter_table(settings.pixel_filter, settings.filter_width)
+    )
+    materials = scene.materials.copy()
+    any_media = bool((materials["ior"] > 0).any()) if len(materials) else False
+
+    def media_at(point: NDArray[np.float64]) -> NDArray[np.int32]:
+        row = np.zeros(1 + STACK, np.int32)
+        if any_media:
+            inside = enclosing_media(intersector, mesh, materials, point)
+            row[0] = len(inside)
+            row[1 : 1 + len(inside)] = inside
+        return row
+
+    light_media = np.zeros((len(lights.power), 1 + STACK), np.int32)
+    for entry in range(len(scene.lights)):
+        if not lights.distant[entry]:
+            light_media[entry] = media_at(lights.place[entry])
+    return Prepared(
+        mesh=mesh,
+        centre=centre,
+        materials=materials,
+        lobes=scene.lobes.copy(),
+        lights=lights,
+        light_media=light_media,
+        camera=camera,
+        camera_media=media_at(camera.position),
+        aim=aim_at(scene, mesh, lights),
+        intersector=intersector,
+    )

@@ -1,0 +1,209 @@
+"""A render: the order of its phases, and nothing else."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
+from typing import Any, TypeVar
+
+from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
+from .film.film import Film
+from .photon_pass import Batch, photon_batches, photon_maps, pilot_radii, trace_batch
+from .pilot import Radii
+from .plan import Plan
+from .prepared import Prepared, prepare
+from .scene.scene import Scene, SceneError
+from .settings import Settings
+from .update import Phase, Update
+
+_T = TypeVar("_T")
+
+#: Longest silence between two updates [s].
+SILENCE = 0.2
+
+
+def render(scene: Scene, settings: Settings) -> Iterator[Update]:
+    """Render ``scene``: an update at least every 0.25 s, the last one with phase "done".
+
+    Pulling no further (closing the iterator) is the cancel: work under way stops within a
+    chunk's time and the threads are joined. Every thread count and chunk size gives the
+    same film, bit for bit. Raises ``SceneError`` before any work.
+    """
+    if scene.camera is None:
+        raise SceneError(
+            f"scene '{scene.name}' has no camera: add one and make it the scene's camera"
+        )
+    region = Region.of(scene.camera, settings)
+    if region.width * region.height == 0:
+        raise SceneError(f"the border {settings.region} lies outside the image")
+    return _Render(scene, settings, region).updates()
+
+
+class _Render:
+    """The state of one render; lives as long as its iterator."""
+
+    def __init__(self, scene: Scene, settings: Settings, region: Region) -> None:
+        self.scene = scene
+        self.settings = settings
+        self.region = region
+        self.plan = Plan.of(scene, settings)
+        self.film = Film(region.width, region.height)
+        self.pool = ThreadPoolExecutor(settings.thread_count, "photon_map")
+        self.stop = threading.Event()
+        self.begin = time.perf_counter()
+        self.render_begin = self.begin
+        self.error = float("inf")
+        self.error_passes = 0
+
+    def updates(self) -> Iterator[Update]:
+        """All phases."""
+        try:
+            yield self._update("setup", "building the scene")
+            prepared = yield from self._watch(
+                self.pool.submit(prepare, self.scene, self.settings), "building the scene"
+            )
+            batches = photon_batches(self.plan, self.settings)
+            radii = yield from self._watch(
+                self.pool.submit(
+                    pilot_radii, prepared, self.settings, self.region, batches
+                ),
+                "pilot pass (compiles the kernels when they are new)",
+            )
+            yield from self._watch(
+                self.pool.submit(self._warm_up, prepared, radii, batches),
+                "pilot pass (compiles the kernels when they are new)",
+            )
+            self.render_begin = time.perf_counter()
+            yield from self._passes(prepared, radii, batches)
+            yield self._update("done", "")
+        finally:
+            self.stop.set()
+            self.pool.shutdown(wait=True, cancel_futures=True)
+
+    def _update(self, phase: Phase, message: str) -> Update:
+        now = time.perf_counter()
+        setup = phase == "setup"
+        passes = self.film.passes
+        if passes != self.error_passes:
+            self.error = self.film.relative_error()
+            self.error_passes = passes
+        return Update(
+            phase=phase,
+            passes=passes,
+            film=self.film,
+            relative_error=self.error,
+            seconds=0.0 if setup else now - self.render_begin,
+            setup_seconds=(now if setup else self.render_begin) - self.begin,
+            plan=self.plan,
+            message=message,
+        )
+
+    def _watch(self, future: Future[_T], message: str) -> Generator[Update, None, _T]:
+        """Yield updates until ``future`` is done, then hand its result over."""
+        while not wait([future], timeout=SILENCE).done:
+            yield self._update("setup", message)
+        return future.result()
+
+    def _warm_up(self, prepared: Prepared, radii: Radii, batches: list[Batch]) -> None:
+        """One pixel through every kernel: compiling is set-up, not rendering."""
+        few = [batch._replace(count=min(batch.count, 16)) for batch in batches]
+        walks = [trace_batch(prepared, self.settings, 0, batch) for batch in few]
+        maps = photon_maps(self.settings, radii, 0, few, walks)
+        trace_chunk(prepared, self.settings, self.region, 0, Pixels(0, 1), maps)
+
+    def _passes(
+        self, prepared: Prepared, radii: Radii, batches: list[Batch]
+    ) -> Generator[Update, None, None]:
+        """Passes until a limit is met; photons are traced two passes ahead.
+
+        So there is always work in the queue while a map is sorted, and no thread idles at
+        the end of a phase. Chunks are added to the film in order.
+        """
+        last = time.perf_counter()
+        maps = deque(
+            self._launch_photons(prepared, radii, batches, i)
+            for i in range(min(2, self.settings.passes))
+        )
+        for i in range(self.settings.passes):
+            while not wait([maps[0]], timeout=SILENCE).done:
+                yield self._update("render", "")
+                last = time.perf_counter()
+            current = maps.popleft().result()
+            chunks = self._launch_chunks(prepared, current, i)
+            if i + 2 < self.settings.passes:
+                maps.append(self._launch_photons(prepared, radii, batches, i + 2))
+            for future in chunks:
+                while not wait([future], timeout=SILENCE).done:
+                    yield self._update("render", "")
+                    last = time.perf_counter()
+                self._add(future.result())
+                if self._out_of_time():
+                    return
+                if time.perf_counter() - last >= SILENCE / 2:
+                    yield self._update("render", "")
+                    last = time.perf_counter()
+            self._count(current)
+            if 0 < self.settings.error_goal and (
+                self._update("render", "").relative_error <= self.settings.error_goal
+            ):
+                return
+
+    def _add(self, chunk: Chunk) -> None:
+        self.film.add(chunk.pixels.start, chunk.samples)
+        self.film.statistics.rays += chunk.rays
+
+    def _count(self, maps: PhotonMaps) -> None:
+        statistics = self.film.statistics
+        statistics.photons_emitted += maps.emitted
+        statistics.photons_stored += maps.stored
+        statistics.rays += maps.rays
+
+    def _out_of_time(self) -> bool:
+        """Whether the time is up; one whole pass is always made."""
+        limit = self.settings.seconds
+        return (
+            limit > 0
+            and time.perf_counter() - self.render_begin >= limit
+            and self.film.passes > 0
+        )
+
+    def _launch_photons(
+        self, prepared: Prepared, radii: Radii, batches: list[Batch], i: int
+    ) -> Future[PhotonMaps]:
+        """Queue the photon batches of pass ``i`` and, behind them, the sorting."""
+        walks = [
+            self._submit(trace_batch, prepared, self.settings, i, batch) for batch in batches
+        ]
+
+        def sort() -> PhotonMaps:
+            # The batches are before this task in the queue: no thread waits for itself.
+            return photon_maps(self.settings, radii, i, batches, [w.result() for w in walks])
+
+        return self._submit(sort)
+
+    def _launch_chunks(
+        self, prepared: Prepared, maps: PhotonMaps, i: int
+    ) -> list[Future[Chunk]]:
+        """Queue the camera chunks of pass ``i``."""
+        total = self.region.width * self.region.height
+        size = self.settings.chunk_size
+        return [
+            self._submit(
+                trace_chunk, prepared, self.settings, self.region, i,
+                Pixels(start, min(size, total - start)), maps,
+            )
+            for start in range(0, total, size)
+        ]  # fmt: skip
+
+    def _submit(self, work: Callable[..., _T], *arguments: Any) -> Future[_T]:
+        """Queue ``work`` unless the render has been cancelled by the time it starts."""
+
+        def guarded() -> _T:
+            if self.stop.is_set():
+                raise CancelledError
+            return work(*arguments)
+
+        return self.pool.submit(guarded)

@@ -1,0 +1,1 @@
+"""The frozen scene, its tables and how to build and store one."""

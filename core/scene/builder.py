@@ -1,0 +1,266 @@
+"""Puts a ``Scene`` together piece by piece; the exporter, scripts and tests use it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .camera_data import CameraData
+from .scene import Scene, SceneError
+from .tables import LIGHT, LOBE, MATERIAL, LightKind, Model, Visibility
+
+
+@dataclass(frozen=True)
+class Lobe:
+    """One scattering lobe of a material; ``weight`` is its albedo per channel."""
+
+    model: Model
+    weight: tuple[float, float, float]
+    ior: float = 0.0
+    exponent: float = 0.0
+
+    def scaled(self, factor: float | Sequence[float]) -> Lobe:
+        """The same lobe with its weight times ``factor`` (number or (3,))."""
+        weight = np.asarray(self.weight) * np.asarray(factor)
+        return replace(self, weight=(float(weight[0]), float(weight[1]), float(weight[2])))
+
+
+def diffuse(color: ArrayLike) -> Lobe:
+    """Lambertian reflection of albedo ``color`` (number or (3,))."""
+    return Lobe(Model.DIFFUSE, _rgb(color))
+
+
+def phong(color: ArrayLike, exponent: float) -> Lobe:
+    """Energy-normalised Phong lobe around the mirror direction."""
+    return Lobe(Model.PHONG, _rgb(color), exponent=float(exponent))
+
+
+def mirror(color: ArrayLike = 1.0) -> Lobe:
+    """Smooth conductor of constant reflectivity ``color``."""
+    return Lobe(Model.CONDUCTOR, _rgb(color))
+
+
+def dielectric(ior: float, color: ArrayLike = 1.0) -> Lobe:
+    """Smooth dielectric with Fresnel reflection and refraction, tinted by ``color``."""
+    return Lobe(Model.DIELECTRIC, _rgb(color), ior=float(ior))
+
+
+def refraction(ior: float, color: ArrayLike = 1.0) -> Lobe:
+    """Refraction alone: no Fresnel weight, black at total internal reflection."""
+    return Lobe(Model.REFRACTION, _rgb(color), ior=float(ior))
+
+
+def _rgb(color: ArrayLike) -> tuple[float, float, float]:
+    rgb = np.broadcast_to(np.asarray(color, dtype=np.float64), (3,))
+    return float(rgb[0]), float(rgb[1]), float(rgb[2])
+
+
+def _axes(matrix: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Unit axes (rows: x, y, z) and position of a (4, 4) object-to-world matrix."""
+    m = np.asarray(matrix, dtype=np.float64)
+    axes = m[:3, :3].T.copy()
+    length = np.linalg.norm(axes, axis=1)
+    if not np.isfinite(length).all() or (length == 0).any():
+        raise SceneError("a light's matrix is not invertible; check its scale")
+    return axes / length[:, None], m[:3, 3].copy()
+
+
+class SceneBuilder:
+    """Collects meshes, materials, lights and the camera; ``build`` freezes them.
+
+    Faces that are degenerate (zero area, NaN or infinite corner) are dropped and counted
+    in ``dropped_faces``: they cannot be seen, and would poison everything they touch.
+    """
+
+    def __init__(self, name: str = "scene") -> None:
+        self.name = name
+        self.dropped_faces = 0
+        self._vertices: list[NDArray[np.float64]] = []
+        self._faces: list[NDArray[np.int32]] = []
+        self._normals: list[NDArray[np.float32]] = []
+        self._face_material: list[NDArray[np.int32]] = []
+        self._face_object: list[NDArray[np.int32]] = []
+        self._vertex_count = 0
+        self._objects: list[str] = []
+        self._materials: list[tuple] = []
+        self._material_names: list[str] = []
+        self._lobes: list[tuple] = []
+        self._lights: list[tuple] = []
+        self._light_names: list[str] = []
+        self._world = np.zeros(3)
+        self._camera: CameraData | None = None
+
+    def add_material(
+        self, name: str, lobes: Sequence[Lobe] = (), emission: ArrayLike = 0.0
+    ) -> int:
+        """Add a material of ``lobes`` that emits radiance ``emission``; its row."""
+        start = len(self._lobes)
+        self._lobes += [(int(b.model), b.weight, b.ior, b.exponent) for b in lobes]
+        iors = [b.ior for b in lobes if b.model in (Model.DIELECTRIC, Model.REFRACTION)]
+        self._materials.append((start, len(lobes), _rgb(emission), iors[0] if iors else 0.0))
+        self._material_names.append(name)
+        return len(self._materials) - 1
+
+    def add_mesh(
+        self,
+        name: str,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        material: ArrayLike,
+        corner_normals: ArrayLike | None = None,
+    ) -> None:
+        """Add one object's triangles.
+
+        vertices (V, 3) world metres; faces (F, 3); material: a row or one per face;
+        corner_normals: (F, 3, 3) unit, zeros where flat, None for an all-flat mesh.
+        """
+        points = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
+        triangles = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
+        if triangles.size and (triangles.min() < 0 or triangles.max() >= len(points)):
+            raise SceneError(f"object '{name}': a face uses a vertex that does not exist")
+        rows = np.broadcast_to(np.asarray(material, dtype=np.int32), (len(triangles),))
+        normals = (
+            np.zeros((len(triangles), 3, 3), np.float32)
+            if corner_normals is None
+            else np.asarray(corner_normals, dtype=np.float32).reshape(-1, 3, 3)
+        )
+        if len(normals) != len(triangles):
+            raise SceneError(f"object '{name}': one normal per face corner is needed")
+        good = _well_formed(points, triangles)
+        self.dropped_faces += int(len(good) - good.sum())
+        triangles, rows, normals = triangles[good], rows[good], normals[good]
+        normals = np.where(np.isfinite(normals).all(axis=(1, 2), keepdims=True), normals, 0)
+        points = np.where(np.isfinite(points).all(axis=1, keepdims=True), points, 0.0)
+        self._vertices.append(points)
+        self._faces.append((triangles + self._vertex_count).astype(np.int32))
+        self._normals.append(normals.astype(np.float32))
+        self._face_material.append(rows.astype(np.int32))
+        self._face_object.append(np.full(len(triangles), len(self._objects), np.int32))
+        self._objects.append(name)
+        self._vertex_count += len(points)
+
+    def add_point_light(
+        self,
+        name: str,
+        position: ArrayLike,
+        intensity: ArrayLike,
+        radius: float = 0.0,
+        visibility: Visibility = Visibility.ALL,
+    ) -> None:
+        """A point or sphere of ``radius`` with radiant ``intensity`` [W/sr] per channel."""
+        self._add_light(
+            name, LightKind.POINT, np.eye(3), position, intensity, visibility, radius=radius
+        )
+
+    def add_spot_light(
+        self,
+        name: str,
+        matrix: ArrayLike,
+        intensity: ArrayLike,
+        half_angle: float,
+        blend: float = 0.0,
+        radius: float = 0.0,
+        visibility: Visibility = Visibility.ALL,
+    ) -> None:
+        """A cone of ``half_angle`` [rad] along -Z with axial ``intensity`` [W/sr]."""
+        axes, position = _axes(matrix)
+        self._add_light(
+            name, LightKind.SPOT, axes, position, intensity, visibility,
+            radius=radius, cos_outer=float(np.cos(half_angle)), blend=blend,
+        )  # fmt: skip
+
+    def add_sun_light(
+        self,
+        name: str,
+        matrix: ArrayLike,
+        irradiance: ArrayLike,
+        angle: float = 0.0,
+        visibility: Visibility = Visibility.ALL,
+    ) -> None:
+        """Light along -Z with ``irradiance`` [W/m^2] on a facing plane, disc of ``angle``."""
+        axes, position = _axes(matrix)
+        self._add_light(
+            name, LightKind.SUN, axes, position, irradiance, visibility, angle=angle
+        )
+
+    def add_area_light(
+        self,
+        name: str,
+        matrix: ArrayLike,
+        radiance: ArrayLike,
+        size_x: float,
+        size_y: float,
+        disk: bool = False,
+        visibility: Visibility = Visibility.ALL,
+    ) -> None:
+        """A one-sided Lambertian rectangle or ellipse shining along -Z."""
+        axes, position = _axes(matrix)
+        if not (size_x > 0 and size_y > 0):
+            raise SceneError(f"light '{name}': an area light needs a size above 0")
+        kind = LightKind.DISK if disk else LightKind.RECTANGLE
+        self._add_light(
+            name, kind, axes, position, radiance, visibility, size_x=size_x, size_y=size_y
+        )
+
+    def _add_light(
+        self,
+        name: str,
+        kind: LightKind,
+        axes: NDArray[np.float64],
+        position: ArrayLike,
+        emission: ArrayLike,
+        visibility: Visibility,
+        **shape: float,
+    ) -> None:
+        point = tuple(np.asarray(position, dtype=np.float64))
+        sizes = [
+            float(shape.get(key, 0.0))
+            for key in ("size_x", "size_y", "radius", "angle", "cos_outer", "blend")
+        ]
+        self._lights.append(
+            (int(kind), int(visibility), point, *map(tuple, axes), _rgb(emission), *sizes)
+        )
+        self._light_names.append(name)
+
+    def set_world(self, radiance: ArrayLike) -> None:
+        """Uniform radiance of the surroundings [W/(m^2 sr)]."""
+        self._world = np.array(_rgb(radiance))
+
+    def set_camera(self, camera: CameraData) -> None:
+        """The camera to render with."""
+        self._camera = camera
+
+    def build(self) -> Scene:
+        """The frozen scene; raises ``SceneError`` when something does not fit."""
+        return Scene(
+            name=self.name,
+            vertices=_stack(self._vertices, (0, 3), np.float64),
+            faces=_stack(self._faces, (0, 3), np.int32),
+            corner_normals=_stack(self._normals, (0, 3, 3), np.float32),
+            face_material=_stack(self._face_material, (0,), np.int32),
+            face_object=_stack(self._face_object, (0,), np.int32),
+            materials=np.array(self._materials, dtype=MATERIAL),
+            lobes=np.array(self._lobes, dtype=LOBE),
+            lights=np.array(self._lights, dtype=LIGHT),
+            world=self._world.copy(),
+            camera=self._camera,
+            object_names=tuple(self._objects),
+            material_names=tuple(self._material_names),
+            light_names=tuple(self._light_names),
+        )
+
+
+def _stack(parts: list, empty: tuple[int, ...], dtype: type) -> NDArray:
+    return np.concatenate(parts) if parts else np.zeros(empty, dtype)
+
+
+def _well_formed(points: NDArray, triangles: NDArray) -> NDArray[np.bool_]:
+    """Which triangles have finite corners and an area above rounding."""
+    corners = points[triangles]
+    finite = np.isfinite(corners).all(axis=(1, 2))
+    corners = np.where(finite[:, None, None], corners, 0.0)
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return finite & (np.linalg.norm(cross, axis=1) > 0)

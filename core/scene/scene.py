@@ -1,0 +1,144 @@
+"""The frozen scene: arrays only, everything a render needs to know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera_data import CameraData
+from .tables import LIGHT, LOBE, MATERIAL, LightKind, Model
+
+
+class SceneError(ValueError):
+    """A scene that cannot be rendered; the message names the object and what to do."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Scene:
+    """Everything to be rendered, in world space, metres and scene-linear colour.
+
+    vertices        (V, 3) float64
+    faces           (F, 3) int32, vertex ids, counter-clockwise seen from outside
+    corner_normals  (F, 3, 3) float32 unit shading normals, or zeros: a flat face
+    face_material   (F,) int32 row of ``materials``
+    face_object     (F,) int32 index into ``object_names``
+    materials       (M,) ``tables.MATERIAL``; lobes (L,) ``tables.LOBE``
+    lights          (N,) ``tables.LIGHT``: the lamps; emissive faces come by material
+    world           (3,) float64 radiance of the uniform surroundings
+    luminance       (3,) float64 weights of the channels, summing to 1
+
+    Raises ``SceneError`` at construction when a table contradicts another.
+    """
+
+    name: str = "scene"
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int32]
+    corner_normals: NDArray[np.float32]
+    face_material: NDArray[np.int32]
+    face_object: NDArray[np.int32]
+    materials: NDArray[np.void]
+    lobes: NDArray[np.void]
+    lights: NDArray[np.void]
+    world: NDArray[np.float64]
+    camera: CameraData | None
+    luminance: NDArray[np.float64] = field(
+        default_factory=lambda: np.array([0.2126, 0.7152, 0.0722])
+    )
+    object_names: tuple[str, ...] = ()
+    material_names: tuple[str, ...] = ()
+    light_names: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_scene(self)
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
+
+def check_scene(scene: Scene) -> None:
+    """Raise ``SceneError`` when shapes, types or indices do not fit, naming the place."""
+    count = len(scene.faces)
+    expected: dict[str, tuple[tuple[int, ...], np.dtype]] = {
+        "vertices": ((len(scene.vertices), 3), np.dtype("f8")),
+        "faces": ((count, 3), np.dtype("i4")),
+        "corner_normals": ((count, 3, 3), np.dtype("f4")),
+        "face_material": ((count,), np.dtype("i4")),
+        "face_object": ((count,), np.dtype("i4")),
+        "materials": ((len(scene.material_names),), MATERIAL),
+        "lobes": ((len(scene.lobes),), LOBE),
+        "lights": ((len(scene.light_names),), LIGHT),
+        "world": ((3,), np.dtype("f8")),
+        "luminance": ((3,), np.dtype("f8")),
+    }
+    for name, (shape, dtype) in expected.items():
+        array = getattr(scene, name)
+        if array.shape != shape or array.dtype != dtype:
+            raise SceneError(
+                f"scene '{scene.name}': {name} is {array.dtype}{array.shape}, "
+                f"it must be {dtype}{shape}"
+            )
+    limits = {
+        "faces": len(scene.vertices),
+        "face_material": len(scene.materials),
+        "face_object": len(scene.object_names),
+    }
+    for name, limit in limits.items():
+        array = getattr(scene, name)
+        if array.size and (array.min() < 0 or array.max() >= limit):
+            raise SceneError(f"scene '{scene.name}': {name} points outside 0..{limit - 1}")
+    if not np.isfinite(scene.vertices).all():
+        raise SceneError(
+            f"scene '{scene.name}': a vertex is NaN or infinite; build scenes with "
+            "SceneBuilder, which drops such faces and counts them"
+        )
+    _check_materials(scene)
+    _check_lights(scene)
+    _check_camera(scene)
+
+
+def _check_materials(scene: Scene) -> None:
+    for row, name in zip(scene.materials, scene.material_names, strict=True):
+        start, stop = row["lobe_start"], row["lobe_start"] + row["lobe_count"]
+        if start < 0 or row["lobe_count"] < 0 or stop > len(scene.lobes):
+            raise SceneError(f"material '{name}': its lobes lie outside the lobe table")
+        if not np.isfinite(row["emission"]).all() or (row["emission"] < 0).any():
+            raise SceneError(f"material '{name}': emission must be finite and not negative")
+        for lobe in scene.lobes[start:stop]:
+            if lobe["model"] not in list(Model):
+                raise SceneError(f"material '{name}': unknown model {lobe['model']}")
+            if not np.isfinite(lobe["weight"]).all() or (lobe["weight"] < 0).any():
+                raise SceneError(f"material '{name}': lobe weights must be finite, at least 0")
+            transmits = lobe["model"] in (Model.DIELECTRIC, Model.REFRACTION)
+            if transmits and not (np.isfinite(lobe["ior"]) and lobe["ior"] > 0):
+                raise SceneError(f"material '{name}': IOR must be above 0")
+            phong = lobe["model"] == Model.PHONG
+            if phong and not (np.isfinite(lobe["exponent"]) and lobe["exponent"] >= 0):
+                raise SceneError(f"material '{name}': Phong exponent must be at least 0")
+
+
+def _check_lights(scene: Scene) -> None:
+    for row, name in zip(scene.lights, scene.light_names, strict=True):
+        if row["kind"] not in list(LightKind):
+            raise SceneError(f"light '{name}': unknown kind {row['kind']}")
+        for field_name in LIGHT.names or ():
+            if not np.isfinite(row[field_name]).all():
+                raise SceneError(f"light '{name}': {field_name} must be finite")
+        if (row["emission"] < 0).any():
+            raise SceneError(f"light '{name}': power must not be negative")
+
+
+def _check_camera(scene: Scene) -> None:
+    camera = scene.camera
+    if camera is None:
+        return
+    if camera.width < 1 or camera.height < 1:
+        raise SceneError(f"camera: size {camera.width}x{camera.height} has no pixel")
+    positive = ("lens", "sensor_width", "sensor_height", "focus_distance", "blade_ratio")
+    for name in positive:
+        value = getattr(camera, name)
+        if not (np.isfinite(value) and value > 0):
+            raise SceneError(f"camera: {name} is {value}, it must be above 0")
+    if not np.isfinite(camera.matrix).all() or abs(np.linalg.det(camera.matrix[:3, :3])) == 0:
+        raise SceneError("camera: its matrix is not invertible; check its scale")

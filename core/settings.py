@@ -1,0 +1,88 @@
+"""What a user may choose about a render, checked once, then frozen."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import Literal
+
+PixelFilter = Literal["BOX", "GAUSSIAN", "BLACKMAN_HARRIS"]
+
+
+class SettingsError(ValueError):
+    """A setting out of its range; the message names it and the range."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Settings of one render.
+
+    It stops at ``passes``, ``seconds`` (0 = no limit) or when ``relative_error`` reaches
+    ``error_goal`` (0 = none), whichever comes first; one whole pass is always made.
+    Photon counts are emitted photons per pass; depths count surface interactions.
+    ``min_throughput``: camera paths that carry less are ended. ``region`` is
+    (x0, y0, x1, y1) in pixels, row 0 at the bottom, None for the whole image.
+    ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
+    at a time) changes a bit of the result.
+    """
+
+    passes: int = 64
+    seconds: float = 0.0
+    error_goal: float = 0.0
+    seed: int = 0
+    threads: int = 0
+    photons_global: int = 16384
+    photons_caustic: int = 16384
+    camera_depth: int = 32
+    photon_depth: int = 32
+    min_throughput: float = 1e-4
+    caustic_radius: float = 2.0
+    alpha: float = 2.0 / 3.0
+    pixel_filter: PixelFilter = "BLACKMAN_HARRIS"
+    filter_width: float = 1.5
+    transparent: bool = False
+    region: tuple[int, int, int, int] | None = None
+    chunk_size: int = 8192
+
+    def __post_init__(self) -> None:
+        for name, (low, high) in _RANGES.items():
+            value = getattr(self, name)
+            if not (math.isfinite(value) and low <= value <= high):
+                raise SettingsError(f"{name} is {value}, it must be from {low:g} to {high:g}")
+        if self.pixel_filter not in ("BOX", "GAUSSIAN", "BLACKMAN_HARRIS"):
+            raise SettingsError(
+                f"pixel_filter is {self.pixel_filter!r}, it must be BOX, GAUSSIAN or "
+                "BLACKMAN_HARRIS"
+            )
+        if self.region is not None:
+            x0, y0, x1, y1 = self.region
+            if not (0 <= x0 < x1 and 0 <= y0 < y1):
+                raise SettingsError(f"region {self.region} has no pixel")
+
+    @property
+    def thread_count(self) -> int:
+        """Threads to use: the setting, or every core this process may run on."""
+        if self.threads:
+            return self.threads
+        if hasattr(os, "sched_getaffinity"):
+            return len(os.sched_getaffinity(0))
+        return os.cpu_count() or 1
+
+
+_RANGES: dict[str, tuple[float, float]] = {
+    "passes": (1, 10_000_000),
+    "seconds": (0, 1e9),
+    "error_goal": (0, 10),
+    "seed": (0, 2**31 - 1),
+    "threads": (0, 1024),
+    "photons_global": (0, 100_000_000),
+    "photons_caustic": (0, 100_000_000),
+    "camera_depth": (1, 1024),
+    "photon_depth": (1, 1024),
+    "min_throughput": (0, 1),
+    "caustic_radius": (0.1, 1000),
+    "alpha": (0.01, 1),
+    "filter_width": (0.01, 100),
+    "chunk_size": (1, 10_000_000),
+}
