@@ -37,7 +37,7 @@ class ExportLog:
         """All warnings; grouped ones list up to six names."""
         grouped = []
         for what, names in self._grouped.items():
-            shown = ", ".join(f"'{name}'" for name in list(names)[:6])
+            shown = ", ".join(list(names)[:6])
             more = f" and {len(names) - 6} more" if len(names) > 6 else ""
             grouped.append(f"{what}: {shown}{more}")
         return (*self._warnings.values(), *grouped)

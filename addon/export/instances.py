@@ -103,10 +103,11 @@ class _MeshCache:
 
 def _warn_ignored(obj: Any, log: ExportLog) -> None:
     """Say which switches of the object have no effect."""
+    name = f"object '{obj.name}'"
     flags = ("visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission")
     if not all(getattr(obj, flag) for flag in (*flags, "visible_shadow")):
-        log.warn_group("ray visibility is ignored for objects with faces", obj.name)
+        log.warn_group("ray visibility is ignored for objects with faces", name)
     if obj.is_holdout or obj.is_shadow_catcher:
-        log.warn_group("holdouts and shadow catchers are rendered as usual", obj.name)
+        log.warn_group("holdouts and shadow catchers are rendered as usual", name)
     if any(system.settings.render_type == "PATH" for system in obj.particle_systems):
-        log.warn_group("hair is left out", obj.name)
+        log.warn_group("hair is left out", name)
