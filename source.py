@@ -95,7 +95,9 @@ class Source:
 
         loaded = self._load_npz()
         update: Update | None = None
-        with closing(core.render(loaded.scene, loaded.settings)) as updates:
+        # A generator: closing it is what stops the threads.
+        pulled: Any = core.render(loaded.scene, loaded.settings)
+        with closing(pulled) as updates:
             for update in updates:
                 if on_update(update, loaded.settings):
                     break
