@@ -47,18 +47,21 @@ def chi_square(
 ) -> None:
     """Assert that counts follow their expectation; one of a family of ``tests`` tests.
 
-    ``expected`` are mean counts, not normalised to the observed ones: a density that
-    integrates to less than it should fails too, its missing part being one cell more.
+    Both add up to the same number: what falls outside of all cells is a cell of its own.
     """
-    total = float(np.sum(observed))
-    rest = total - float(np.sum(expected))
-    assert rest > -1e-3 * total, f"the expected counts add up to {total - rest} of {total}"
-    o, e = pooled(
-        np.append(np.ravel(observed), 0.0), np.append(np.ravel(expected), max(rest, 0))
-    )
+    total, mean = float(np.sum(observed)), float(np.sum(expected))
+    assert abs(mean / total - 1) < 1e-3, f"{mean} expected of {total}"
+    o, e = pooled(observed, expected)
     assert len(e) > 1, "a chi-square test needs two cells"
     p = stats.chisquare(o, e * total / e.sum()).pvalue
     assert p > sidak(level, tests), f"chi-square p = {p:.3g} over {len(e)} cells"
+
+
+def uniform_square(u: ArrayLike, v: ArrayLike, bins: int = 16, tests: int = 1) -> None:
+    """Assert by chi-square that pairs are uniform on the unit square and independent."""
+    counts = np.histogram2d(np.ravel(u), np.ravel(v), bins, ((0, 1), (0, 1)))[0]
+    assert counts.sum() == np.size(u), "a value lies outside of [0, 1]"
+    chi_square(counts, np.full_like(counts, np.size(u) / counts.size), tests)
 
 
 def sphere_counts(directions: NDArray[np.float64], rows: int, columns: int) -> NDArray:
