@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from .passes import register_passes
-from .report import guarded
+from .report import ExportError, guarded
 
 
 class PhotonMapEngine(bpy.types.RenderEngine):
@@ -22,7 +22,8 @@ class PhotonMapEngine(bpy.types.RenderEngine):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self.failed = False
+        self.failure = ""
+        self.failure_shown = False
 
     def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
         """Tell Blender the passes of a view layer, for its compositor and its files."""
@@ -30,10 +31,13 @@ class PhotonMapEngine(bpy.types.RenderEngine):
             register_passes(self, scene, renderlayer)
 
     def render(self, depsgraph: Any) -> None:
-        """Render one view layer of one frame."""
-        if self.failed:  # an earlier view layer of this frame; its error is reported
+        """Render one view layer of one frame, unless an earlier one failed."""
+        if self.failure_shown:
             return
         with guarded(self):
+            if self.failure:  # Blender drops what was reported before this callback
+                raise ExportError(self.failure)
             from .final import render_final
 
             render_final(self, depsgraph)
+        self.failure_shown = bool(self.failure)

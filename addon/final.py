@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -28,36 +28,47 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     A break (Escape, Ctrl-C in Blender) ends it and keeps the image so far. The core's
     generator is closed on every way out, so that its threads have ended on return.
     """
-    layer = depsgraph.view_layer_eval.name
+    view_layer = depsgraph.view_layer_eval
+    layer = view_layer.name
     job = CURRENT.get()
     engine.update_stats("", f"{layer} | Exporting")
     log = ExportLog()
     try:
-        scene = export_scene(depsgraph, engine, log)
+        scene = export_scene(depsgraph, engine, log, lambda: stopped(engine))
     except ExportCancelledError:
+        write_nothing(engine, view_layer)
         return
     settings = export_settings(depsgraph.scene_eval, job.overrides if job else {})
     if job is not None:
         job.exported(layer, scene, settings, log.messages)
         if job.export_only:
+            write_nothing(engine, view_layer)
             return
-    if not engine.is_preview:
-        for message in log.messages:
-            engine.report({"WARNING"}, message)
-    view_layer = depsgraph.view_layer_eval
+    tell(engine, log.messages)
     updates = _core_render(scene, settings)
     last: Update | None = None
     try:
         last = _pull(engine, updates, view_layer, settings)
     finally:
         updates.close()
-    if last is not None and last.passes > 0:
-        write_film(engine, last.film, view_layer)
-        if last.film.statistics.non_finite and not engine.is_preview:
-            engine.report(
-                {"WARNING"},
-                f"{last.film.statistics.non_finite} samples were not finite and left out",
-            )
+    if last is None or last.passes == 0:
+        write_nothing(engine, view_layer)
+        return
+    write_film(engine, last.film, view_layer)
+    bad = last.film.statistics.non_finite
+    tell(engine, [f"{bad} samples were not finite and are black"] if bad else [])
+
+
+def stopped(engine: Any) -> bool:
+    """Whether the user wants the render to end."""
+    return bool(engine.test_break())
+
+
+def tell(engine: Any, warnings: Sequence[str]) -> None:
+    """Show warnings, except of a material preview."""
+    if not engine.is_preview:
+        for message in warnings:
+            engine.report({"WARNING"}, message)
 
 
 def _core_render(scene: Scene, settings: Settings) -> Generator[Update, None, None]:
@@ -79,9 +90,13 @@ def _pull(
     """Draw updates until the core is done or the user stops it; the last one."""
     job = CURRENT.get()
     last: Update | None = None
+    first = True
     shown = 0
     redrawn = time.monotonic()
     for last in updates:
+        if first:
+            tell(engine, last.plan.warnings)
+            first = False
         if job is not None:
             job.updated(view_layer.name, last)
         fraction = progress(last, settings)
@@ -94,7 +109,7 @@ def _pull(
         if not bpy.app.background and last.passes > shown and now - redrawn > REDRAW_INTERVAL:
             write_film(engine, last.film, view_layer)
             shown, redrawn = last.passes, time.monotonic()
-        if engine.test_break():
+        if stopped(engine):
             break
     return last
 
@@ -114,6 +129,11 @@ def write_film(engine: Any, film: Film, view_layer: Any) -> None:
             target.rect.foreach_set(pixels.ravel())
     finally:
         engine.end_result(result)
+
+
+def write_nothing(engine: Any, view_layer: Any) -> None:
+    """Leave an empty result: Blender crashes when it writes a multilayer EXR without one."""
+    engine.end_result(engine.begin_result(0, 0, 1, 1, layer=view_layer.name))
 
 
 def progress(update: Update, settings: Settings) -> float:

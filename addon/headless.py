@@ -142,10 +142,10 @@ def _run(scene: bpy.types.Scene, job: Job, png_path: Path | None) -> None:
             try:
                 bpy.ops.render.render(scene=scene.name, write_still=png_path is not None)
             except RuntimeError as error:
-                if isinstance(job.error, KeyboardInterrupt):
+                if job.interrupted:
                     raise KeyboardInterrupt from error
-                reason = str(job.error or error).strip().removeprefix("Error: ")
-                raise HeadlessError(reason) from (job.error or error)
+                reason = job.failure or str(error).strip().removeprefix("Error: ")
+                raise HeadlessError(reason) from error
         if png_path is not None:
             if not image.is_file():
                 raise HeadlessError("Blender rendered but wrote no image")

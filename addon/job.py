@@ -23,7 +23,8 @@ class Job:
     """Wishes of the caller, and what the render leaves for them.
 
     ``overrides`` are fields of ``core.settings.Settings`` that win over the file's.
-    With several view layers the first one rendered is kept.
+    With several view layers the first one rendered is kept. ``failure`` is a text, because
+    the traceback of an exception would keep the engine alive longer than Blender does.
     """
 
     overrides: Mapping[str, Any] = field(default_factory=dict)
@@ -34,7 +35,8 @@ class Job:
     settings: Settings | None = None
     update: Update | None = None
     warnings: tuple[str, ...] = ()
-    error: BaseException | None = None
+    failure: str = ""
+    interrupted: bool = False
 
     def exported(
         self, layer: str, scene: Scene, settings: Settings, warnings: tuple[str, ...]

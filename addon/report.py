@@ -63,14 +63,12 @@ def guarded(engine: Any) -> Iterator[None]:
 
 def show_error(engine: Any, error: BaseException) -> None:
     """Report ``error`` so that the render operator fails and writes no image."""
-    engine.failed = True
+    interrupted = isinstance(error, KeyboardInterrupt)
+    engine.failure = "interrupted" if interrupted else str(error) or type(error).__name__
     job = CURRENT.get()
-    if job is not None and job.error is None:
-        job.error = error
-    if isinstance(error, KeyboardInterrupt):
-        message = "Photon Map: interrupted"
-    else:
-        message = f"Photon Map: {error or type(error).__name__}"
+    if job is not None and not job.failure:
+        job.failure, job.interrupted = engine.failure, interrupted
+    message = f"Photon Map: {engine.failure}"
     if not engine.is_preview:
         engine.report({"ERROR"}, message)
     engine.error_set(message)

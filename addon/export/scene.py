@@ -16,15 +16,17 @@ from .world import world_radiance
 __all__ = ["ExportCancelledError", "export_scene", "image_size"]
 
 
-def export_scene(depsgraph: Any, engine: Any | None, log: ExportLog) -> Scene:
+def export_scene(
+    depsgraph: Any, engine: Any | None, log: ExportLog, stopped: Callable[[], bool]
+) -> Scene:
     """Everything that ``depsgraph`` shows, in world space.
 
     Reads Blender on the calling thread and keeps no reference to it. ``engine`` supplies
-    the camera of the view being rendered and tells of a break; without one (a script) the
-    scene's camera is taken. Raises ``ExportError``, ``SceneError``, ``ExportCancelledError``.
+    the camera of the view being rendered; without one (a script) the scene's camera is
+    taken. Raises ``ExportError``, ``SceneError``, and ``ExportCancelledError`` once
+    ``stopped()`` is true.
     """
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
-    stopped: Callable[[], bool] = engine.test_break if engine is not None else _never
     camera = engine.camera_override if engine is not None else None
     camera = camera or scene.camera
     if camera is None:
@@ -45,7 +47,3 @@ def image_size(scene: Any) -> tuple[int, int]:
     width = render.resolution_x * render.resolution_percentage // 100
     height = render.resolution_y * render.resolution_percentage // 100
     return max(1, width), max(1, height)
-
-
-def _never() -> bool:
-    return False

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from ...core.settings import Settings
 from .scene import image_size
 
@@ -39,14 +41,19 @@ def export_settings(scene: Any, overrides: Mapping[str, Any]) -> Settings:
 def border_region(scene: Any) -> tuple[int, int, int, int] | None:
     """Pixels (x0, y0, x1, y1) of the border, None without one.
 
-    Rounded as Blender rounds them, or the result would not fit into its image.
+    Rounded down from a product in float32 as Blender does it, or the result would not fit
+    into its image.
     """
     render = scene.render
     if not render.use_border:
         return None
     width, height = image_size(scene)
-    x0, x1 = (round(v * width) for v in (render.border_min_x, render.border_max_x))
-    y0, y1 = (round(v * height) for v in (render.border_min_y, render.border_max_y))
+    x0, x1 = (_pixel(v, width) for v in (render.border_min_x, render.border_max_x))
+    y0, y1 = (_pixel(v, height) for v in (render.border_min_y, render.border_max_y))
     if x0 == 0 and y0 == 0 and x1 == width and y1 == height:
         return None
     return x0, y0, x1, y1
+
+
+def _pixel(fraction: float, size: int) -> int:
+    return int(np.float32(fraction) * np.float32(size))

@@ -121,12 +121,50 @@ def new_material(bpy: Any, name: str, node: str = "", **inputs: Any) -> Any:
     return material
 
 
-def render_to(bpy: Any, path: Any, **overrides: Any) -> Any:
-    """Render the current scene to ``path`` by Blender's own writing; the finished job."""
+def save_exr(bpy: Any, path: Any) -> None:
+    """Have the next render with ``write_still`` write a float32 multilayer EXR."""
+    render = bpy.context.scene.render
+    if hasattr(render.image_settings, "media_type"):
+        render.image_settings.media_type = "MULTI_LAYER_IMAGE"
+    render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    render.image_settings.color_depth = "32"
+    render.filepath = str(path)
+
+
+def headless_render(bpy: Any, **overrides: Any) -> Any:
+    """Render the current scene to its file path as a script would; the finished job."""
     from photon_map.addon.job import Job, running
 
-    scene = bpy.context.scene
-    scene.render.filepath = str(path)
     with running(Job(overrides=overrides)) as job:
-        bpy.ops.render.render(write_still=True)
+        try:
+            bpy.ops.render.render(write_still=True)
+        except RuntimeError:
+            if job.interrupted:
+                raise KeyboardInterrupt from None
+            raise
     return job
+
+
+def read_exr(path: Any) -> dict[str, np.ndarray]:
+    """Layers of an EXR as (height, width, channels) float32, the bottom row first.
+
+    Blender calls channels ``<view layer>.<pass>.<letter>``; the key is without the letter.
+    """
+    import OpenEXR
+
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        channels = {
+            name: channel.pixels[::-1].copy()
+            for part in file.parts  # Blender 5 writes a part for each pass
+            for name, channel in part.channels.items()
+        }
+    layers: dict[str, list[str]] = {}
+    for name in channels:
+        layers.setdefault(name.rpartition(".")[0], []).append(name)
+    order = "RGBAXYZW"
+    return {
+        layer: np.stack(
+            [channels[n] for n in sorted(names, key=lambda n: order.index(n[-1]))], axis=2
+        )
+        for layer, names in layers.items()
+    }
