@@ -1,17 +1,30 @@
-"""Cycles as an honest peer: unbiased settings, box filter, no denoising, no clamping."""
+"""Cycles as an honest peer: unbiased settings, box filter, no denoising, no clamping.
+
+    python benchmarks/cycles_peer.py FILE.blend --size 128x128 --seconds 10 -o OUT.exr
+
+renders for that time (counted by Cycles, scene synchronisation excluded) and prints a line
+of json. Needs the ``bpy`` wheel and OpenEXR.
+"""
 
 from __future__ import annotations
 
+import argparse
 import contextlib
+import json
 import os
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
+import OpenEXR
 from measure import Image, read_exr
+from scene_digest import scene_digest
 
+#: More samples than any time limit lets Cycles take.
+ENDLESS = 1 << 24
 #: Bounces of every kind; Russian roulette ends nearly all paths long before.
 BOUNCES = 32
 
@@ -52,25 +65,65 @@ def open_scene(blend: Path, width: int, height: int, threads: int) -> bpy.types.
     return scene
 
 
-def render_image(
-    scene: bpy.types.Scene, *, seed: int, samples: int, time_limit: float = 0.0
-) -> tuple[Image, float]:
-    """One render: the image (h, w, 3), row 0 at the top, and the seconds it took.
+def render_image(scene: bpy.types.Scene, *, seed: int, samples: int) -> tuple[Image, float]:
+    """One render of ``samples`` a pixel: the image (h, w, 3), row 0 at the top, and seconds.
 
-    The seconds are those of the whole operator: scene synchronisation (0.1 s in the samples),
-    rendering, and writing the file. ``time_limit`` (0 = none) counts rendering only.
+    The seconds are those of ``write_image``.
     """
     scene.cycles.seed = seed
     scene.cycles.samples = samples
-    scene.cycles.time_limit = time_limit
+    scene.cycles.time_limit = 0.0
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "image.exr"
-        scene.render.filepath = str(path)
-        started = time.perf_counter()
-        with quiet():
-            bpy.ops.render.render(write_still=True)
-        seconds = time.perf_counter() - started
+        seconds = write_image(scene, path)
         return read_exr(path), seconds
+
+
+def write_image(scene: bpy.types.Scene, path: Path) -> float:
+    """Render to an EXR; the seconds of synchronising, rendering and writing together."""
+    scene.render.filepath = str(path.resolve())
+    started = time.perf_counter()
+    with quiet():
+        bpy.ops.render.render(write_still=True)
+    return time.perf_counter() - started
+
+
+def main() -> None:
+    """Render one file for a given time."""
+    parser = argparse.ArgumentParser(description="Render a .blend with Cycles for a time.")
+    parser.add_argument("blend", type=Path)
+    parser.add_argument("-o", "--out", type=Path, required=True)
+    parser.add_argument("--size", default="128x128", help="WIDTHxHEIGHT")
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--threads", type=int, default=2)
+    args = parser.parse_args()
+    width, height = (int(side) for side in args.size.split("x"))
+    scene = open_scene(args.blend, width, height, args.threads)
+    scene.cycles.seed = args.seed
+    scene.cycles.samples = ENDLESS
+    scene.cycles.time_limit = args.seconds
+    seconds = write_image(scene, args.out)
+    report = {
+        "engine": f"Cycles, bpy {bpy.app.version_string}",
+        "seconds": rendering_seconds(args.out),
+        "whole_seconds": seconds,
+        "scene_digest": scene_digest(scene),
+    }
+    print(json.dumps(report))
+    # Blender's own threads may keep the interpreter from ending.
+    sys.stdout.flush()
+    os._exit(0)
+
+
+def rendering_seconds(path: Path) -> float:
+    """Seconds of rendering alone, as Cycles wrote them into its EXR (as ``MM:SS.ss``)."""
+    header = OpenEXR.File(str(path), header_only=True).header()
+    key = next(key for key in header if key.endswith(".render_time"))
+    seconds = 0.0
+    for part in header[key].split(":"):
+        seconds = 60.0 * seconds + float(part)
+    return seconds
 
 
 @contextlib.contextmanager
@@ -84,3 +137,7 @@ def quiet() -> Iterator[None]:
     finally:
         os.dup2(kept, 1)
         os.close(kept)
+
+
+if __name__ == "__main__":
+    main()
