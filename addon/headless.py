@@ -91,8 +91,7 @@ def export_file(
     load(blend)
     job = Job(overrides=_given(overrides), export_only=True)
     _run(_prepared(frame, size), job, png_path=None)
-    if job.scene is None or job.settings is None:
-        raise HeadlessError(f"'{blend}' has no view layer that is enabled for rendering")
+    assert job.scene is not None and job.settings is not None
     return Exported(job.scene, job.settings, job.warnings)
 
 
@@ -112,8 +111,7 @@ def render_file(
     load(blend)
     job = Job(overrides=_given(overrides), on_update=on_update)
     _run(_prepared(frame, size), job, png_path=None if png_path is None else Path(png_path))
-    if job.scene is None or job.settings is None or job.update is None:
-        raise HeadlessError(f"'{blend}' has no view layer that is enabled for rendering")
+    assert job.scene is not None and job.settings is not None and job.update is not None
     return Rendered(job.scene, job.settings, job.warnings, job.update)
 
 
@@ -146,6 +144,12 @@ def _run(scene: bpy.types.Scene, job: Job, png_path: Path | None) -> None:
                     raise KeyboardInterrupt from error
                 reason = job.failure or str(error).strip().removeprefix("Error: ")
                 raise HeadlessError(reason) from error
+        if job.scene is None:
+            raise HeadlessError(
+                f"scene '{scene.name}' has no view layer that is enabled for rendering"
+            )
+        if job.update is None and not job.export_only:
+            raise KeyboardInterrupt
         if png_path is not None:
             if not image.is_file():
                 raise HeadlessError("Blender rendered but wrote no image")

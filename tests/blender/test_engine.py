@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.blender.support import add_camera, add_cube, headless_render, read_exr, save_exr
+
+
+def update(
+    phase: str, passes: int, film: Any, error: float, seconds: float, plan: Any = None
+) -> Any:
+    """Looks like ``core.Update``, whose import needs Numba."""
+    return SimpleNamespace(
+        phase=phase, passes=passes, film=film, relative_error=error, seconds=seconds,
+        setup_seconds=0.5, plan=plan, message="",
+    )  # fmt: skip
 
 
 class FakeCore:
@@ -28,12 +39,10 @@ class FakeCore:
 
     def render(self, scene: Any, settings: Any) -> Iterator[Any]:
         from photon_map.core.film.film import SAMPLE, Film
-        from photon_map.core.plan import Plan
-        from photon_map.core.update import Update
 
         x0, y0, x1, y1 = settings.region or (0, 0, scene.camera.width, scene.camera.height)
         film = Film(x1 - x0, y1 - y0)
-        plan = Plan((), self.warnings)
+        plan = SimpleNamespace(stages=(), warnings=self.warnings)
         rows, columns = np.mgrid[y0:y1, x0:x1].reshape(2, -1)
         ramp = np.zeros(len(rows), SAMPLE)
         ramp["direct"][:, 0], ramp["direct"][:, 1] = columns, rows
@@ -43,7 +52,7 @@ class FakeCore:
         ramp["albedo"] = (0.1, 0.2, 0.3)
         ramp["depth"], ramp["hit"], ramp["alpha"] = 7.0, 1.0, 1.0
         try:
-            yield Update("setup", 0, film, float("inf"), 0.0, 0.0, plan, "building")
+            yield update("setup", 0, film, float("inf"), 0.0, plan)
             for number in range(settings.passes):
                 if number == self.fail_at:
                     raise self.error
@@ -51,8 +60,8 @@ class FakeCore:
                 self.passes_made = number + 1
                 self.on_pass(number + 1)
                 error = film.relative_error()
-                yield Update("render", number + 1, film, error, number + 1.0, 0.5, plan)
-            yield Update("done", settings.passes, film, error, 1.0, 0.5, plan)
+                yield update("render", number + 1, film, error, number + 1.0, plan)
+            yield update("done", settings.passes, film, error, 1.0, plan)
         finally:
             self.closed += 1
 
@@ -64,7 +73,8 @@ def core(bpy: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
     import photon_map.core
 
     fake = FakeCore()
-    monkeypatch.setattr(photon_map.core, "render", fake.render, raising=False)
+    # Into the dictionary: looking at the real one first would import Numba.
+    monkeypatch.setitem(vars(photon_map.core), "render", fake.render)
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = 40, 30
     scene.render.resolution_percentage = 100
@@ -343,20 +353,15 @@ def test_warnings_are_shown(bpy: Any, core: Any, capfd: Any) -> None:
 
 def test_progress_follows_the_nearest_limit(bpy: Any) -> None:
     from photon_map.addon.final import progress, stats_line
-    from photon_map.core.film.film import Film
-    from photon_map.core.plan import Plan
     from photon_map.core.settings import Settings
-    from photon_map.core.update import Update
 
-    film, plan = Film(1, 1), Plan((), ())
+    def at(passes: int, seconds: float, error: float) -> Any:
+        return update("render", passes, None, error, seconds)
 
-    def update(passes: int, seconds: float, error: float) -> Any:
-        return Update("render", passes, film, error, seconds, 0.0, plan)
-
-    assert progress(update(16, 0, 1), Settings(passes=64)) == 0.25
-    assert progress(update(1, 5, 1), Settings(passes=64, seconds=10)) == 0.5
-    assert progress(update(4, 0, 0.2), Settings(passes=64, error_goal=0.1)) == 0.25
-    assert progress(update(1, 0, float("inf")), Settings(passes=64, error_goal=0.1)) == 1 / 64
-    assert progress(update(4, 0, 0.0), Settings(passes=4, error_goal=0.1)) == 1.0
-    line = stats_line("ViewLayer", update(16, 0, 0.05), 0.25)
+    assert progress(at(16, 0, 1), Settings(passes=64)) == 0.25
+    assert progress(at(1, 5, 1), Settings(passes=64, seconds=10)) == 0.5
+    assert progress(at(4, 0, 0.2), Settings(passes=64, error_goal=0.1)) == 0.25
+    assert progress(at(1, 0, float("inf")), Settings(passes=64, error_goal=0.1)) == 1 / 64
+    assert progress(at(4, 0, 0.0), Settings(passes=4, error_goal=0.1)) == 1.0
+    line = stats_line("ViewLayer", at(16, 0, 0.05), 0.25)
     assert line == "ViewLayer | 25 % | Pass 16 | Error 5.00 %"
