@@ -25,7 +25,7 @@ Point = tuple[float, float, float]
 WHITE: Colour = (0.73, 0.73, 0.73)
 RED: Colour = (0.60, 0.05, 0.04)
 GREEN: Colour = (0.10, 0.42, 0.08)
-BLUE: Colour = (0.07, 0.14, 0.55)
+BLUE: Colour = (0.10, 0.20, 0.78)
 #: Glass of the report's objects.
 GLASS_IOR = 1.52
 #: Gap between a solid and what it stands on: no two faces may lie in one plane.
@@ -120,7 +120,8 @@ def add_room(
     """An axis-aligned room seen from inside, one mesh with a material per wall.
 
     ``materials`` has the keys floor, ceiling, left (-X), right (+X), front (-Y), back (+Y);
-    a wall without a material is left open.
+    a wall without a material is left open (and may be an object of its own: photons are
+    aimed at whole objects, so a mirror wall should be one).
     """
     corners = [
         (x, y, z)
@@ -137,11 +138,12 @@ def add_room(
         "back": (2, 3, 7, 6),
     }
     kept = [wall for wall in walls if wall in materials]
+    used = sorted({corner for wall in kept for corner in walls[wall]})
     slots = list({id(materials[wall]): materials[wall] for wall in kept}.values())
     return add_mesh(
         name,
-        corners,
-        [walls[wall] for wall in kept],
+        [corners[corner] for corner in used],
+        [[used.index(corner) for corner in walls[wall]] for wall in kept],
         slots,
         face_material=[slots.index(materials[wall]) for wall in kept],
     )

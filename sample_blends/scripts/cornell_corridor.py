@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import common
 
+CORRIDOR = ((-1.2, -1.2, 0.0), (1.2, 4.7, 2.2))
 CAMERA = (0.0, -0.9, 1.25)
 TARGET = (0.0, 3.0, 0.86)
 
@@ -29,9 +30,9 @@ def build() -> None:
         "left": common.diffuse("Red", common.RED),
         "right": common.diffuse("Green", common.GREEN),
         "front": common.diffuse("Blue", common.BLUE),
-        "back": polished,
     }
-    common.add_room((-1.2, -1.2, 0.0), (1.2, 4.7, 2.2), walls)
+    common.add_room(*CORRIDOR, walls)
+    common.add_room(*CORRIDOR, {"back": polished}, name="Mirror wall")
 
     radius = 0.4
     common.add_sphere("Glass sphere", (-0.55, 1.75, radius + common.GAP), radius, clear)

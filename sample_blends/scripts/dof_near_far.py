@@ -11,8 +11,8 @@ from __future__ import annotations
 import bpy
 import common
 
-CAMERA = (0.0, -2.6, 0.95)
-TARGET = (0.1, 1.0, 0.42)
+CAMERA = (0.0, -2.9, 1.0)
+TARGET = (-0.02, 1.0, 0.33)
 #: Colours of the spheres from near to far.
 COLOURS: tuple[common.Colour, ...] = (
     (0.75, 0.12, 0.08),
@@ -28,11 +28,12 @@ RADIUS = 0.3
 def build() -> None:
     """Make the scene in the running session."""
     scene = common.new_scene(640, 400)
+    floor = common.diffuse("Floor", (0.5, 0.5, 0.5))
     white = common.diffuse("White", common.WHITE)
     wall = common.diffuse("Wall", (0.55, 0.58, 0.60))
     walls = dict.fromkeys(("front", "back", "left", "right"), wall)
     common.add_room(
-        (-2.2, -2.9, 0.0), (2.2, 4.4, 2.6), {**walls, "floor": white, "ceiling": white}
+        (-2.2, -3.2, 0.0), (2.2, 4.4, 2.6), {**walls, "floor": floor, "ceiling": white}
     )
     centres = [
         (-0.6 + 0.42 * i, -0.9 + 0.82 * i, RADIUS + common.GAP) for i in range(len(COLOURS))
@@ -41,7 +42,7 @@ def build() -> None:
         material = common.diffuse(f"Colour {number}", colour)
         common.add_sphere(f"Sphere {number}", centre, RADIUS, material, detail=4)
 
-    common.add_area_light("Lamp", (-0.6, 0.6, 2.55), 85.0, 1.0)
+    common.add_area_light("Lamp", (-0.6, 0.6, 2.55), 55.0, 1.0)
     camera = common.add_camera(CAMERA, TARGET, 35.0, f_stop=0.45, focus=centres[0])
     scene.frame_start, scene.frame_end = 1, 2
     lens = camera.data.dof
