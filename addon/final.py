@@ -97,8 +97,7 @@ def _pull(
         if first:
             tell(engine, last.plan.warnings)
             first = False
-        if job is not None:
-            job.updated(view_layer.name, last)
+        enough = job is not None and job.updated(view_layer.name, last)
         fraction = progress(last, settings)
         engine.update_progress(fraction)
         engine.update_stats("", stats_line(view_layer.name, last, fraction))
@@ -109,7 +108,7 @@ def _pull(
         if not bpy.app.background and last.passes > shown and now - redrawn > REDRAW_INTERVAL:
             write_film(engine, last.film, view_layer)
             shown, redrawn = last.passes, time.monotonic()
-        if stopped(engine):
+        if enough or stopped(engine):
             break
     return last
 

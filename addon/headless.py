@@ -16,7 +16,8 @@ can be shown to the user as it is, and leaves no output file; Ctrl-C raises
 ignored); ``size`` is in pixels and replaces the resolution and its percentage. The
 ``update`` is the last one, of the first view layer rendered. Its film covers only the
 border when the file renders one: ``settings.region`` says which part of the image.
-``on_update`` gets every ``Update`` of ``core.render`` as it comes and may raise to stop.
+``on_update`` gets every ``Update`` of ``core.render`` as it comes; when it returns true the
+render ends there and its image is kept, when it raises the render fails.
 
 Importing this module imports ``bpy`` and neither numba nor scipy.
 """
@@ -102,7 +103,7 @@ def render_file(
     size: tuple[int, int] | None = None,
     overrides: Mapping[str, Any] | None = None,
     png_path: str | Path | None = None,
-    on_update: Callable[[Update], None] | None = None,
+    on_update: Callable[[Update], bool | None] | None = None,
 ) -> Rendered:
     """Render ``blend``, and let Blender write it to ``png_path``.
 
@@ -148,8 +149,8 @@ def _run(scene: bpy.types.Scene, job: Job, png_path: Path | None) -> None:
             raise HeadlessError(
                 f"scene '{scene.name}' has no view layer that is enabled for rendering"
             )
-        if job.update is None and not job.export_only:
-            raise KeyboardInterrupt
+        if not (job.export_only or (job.update and job.update.passes)):
+            raise HeadlessError("the render was stopped before its first pass was done")
         if png_path is not None:
             if not image.is_file():
                 raise HeadlessError("Blender rendered but wrote no image")

@@ -28,7 +28,7 @@ class Job:
     """
 
     overrides: Mapping[str, Any] = field(default_factory=dict)
-    on_update: Callable[[Update], None] | None = None
+    on_update: Callable[[Update], bool | None] | None = None
     export_only: bool = False
     layer: str | None = None
     scene: Scene | None = None
@@ -46,12 +46,11 @@ class Job:
             self.layer, self.scene, self.settings = layer, scene, settings
             self.warnings = warnings
 
-    def updated(self, layer: str, update: Update) -> None:
-        """Pass an update on to the caller."""
+    def updated(self, layer: str, update: Update) -> bool:
+        """Pass an update on to the caller; whether they want the render to end."""
         if layer == self.layer:
             self.update = update
-        if self.on_update is not None:
-            self.on_update(update)
+        return bool(self.on_update is not None and self.on_update(update))
 
 
 CURRENT: ContextVar[Job | None] = ContextVar("photon_map_job", default=None)

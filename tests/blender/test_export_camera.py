@@ -111,7 +111,7 @@ def test_settings_of_the_scene(bpy: Any) -> None:
         "min_throughput": 0.5,
         "caustic_radius": 4.0,
         "alpha": 0.75,
-        "pixel_filter": "BOX",
+        "pixel_filter": "GAUSSIAN",
     }
     for name, value in values.items():
         setattr(scene.photon_map, name, value)
@@ -124,6 +124,15 @@ def test_settings_of_the_scene(bpy: Any) -> None:
     assert got.region is None
     overridden = export(bpy, passes=8, chunk_size=77).settings
     assert (overridden.passes, overridden.chunk_size, overridden.seed) == (8, 77, 9)
+
+
+def test_a_box_is_one_pixel_wide_unless_asked_otherwise(bpy: Any) -> None:
+    add_camera(bpy)
+    bpy.context.scene.render.filter_size = 2.5
+    bpy.context.scene.photon_map.pixel_filter = "BOX"
+    assert export(bpy).settings.filter_width == 1.0
+    assert export(bpy, pixel_filter="GAUSSIAN").settings.filter_width == 2.5
+    assert export(bpy, filter_width=3.0).settings.filter_width == 3.0
 
 
 def test_a_setting_out_of_range_is_an_error(bpy: Any) -> None:

@@ -65,6 +65,24 @@ def test_render_to_png(bpy: Any, blend: Path, tmp_path: Path) -> None:
     assert pixels[0, 0, 0] == 0.0, "black background"
 
 
+def test_the_caller_may_end_the_render(bpy: Any, blend: Path, tmp_path: Path) -> None:
+    from photon_map.addon import headless
+
+    out = tmp_path / "out.png"
+    rendered = headless.render_file(
+        blend,
+        overrides={"passes": 1_000_000},
+        png_path=out,
+        on_update=lambda update: update.passes >= 2,
+    )
+    assert 2 <= rendered.update.passes < 1000
+    assert out.is_file()
+    out.unlink()
+    with pytest.raises(headless.HeadlessError, match="before its first pass"):
+        headless.render_file(blend, png_path=out, on_update=lambda update: True)
+    assert not out.exists()
+
+
 def test_the_view_transform_of_the_file_counts(bpy: Any, blend: Path, tmp_path: Path) -> None:
     from photon_map.addon import headless
 
