@@ -64,6 +64,11 @@ def stopped(engine: Any) -> bool:
     return bool(engine.test_break())
 
 
+def watched() -> bool:
+    """Whether somebody may look at the unfinished image; else it is written at the end."""
+    return not bpy.app.background
+
+
 def tell(engine: Any, warnings: Sequence[str]) -> None:
     """Show warnings, except of a material preview."""
     if not engine.is_preview:
@@ -104,8 +109,7 @@ def _pull(
         used = film_megabytes(last.film)
         engine.update_memory_stats(memory_used=used, memory_peak=used)
         now = time.monotonic()
-        # In the background nobody looks: the film is then written once, at the end.
-        if not bpy.app.background and last.passes > shown and now - redrawn > REDRAW_INTERVAL:
+        if watched() and last.passes > shown and now - redrawn > REDRAW_INTERVAL:
             write_film(engine, last.film, view_layer)
             shown, redrawn = last.passes, time.monotonic()
         if enough or stopped(engine):

@@ -26,7 +26,9 @@ from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from tests.blender.fake_core import FakeCore
+from tests.blender.support import ROOT, add_camera
+
 FLAG = "PHOTON_MAP_IN_BLENDER"
 IN_BLENDER = FLAG in os.environ
 TIMEOUT = 500.0
@@ -63,6 +65,24 @@ def bpy() -> Iterator[Any]:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.context.scene.render.engine = "PHOTONMAP"
     yield bpy
+
+
+@pytest.fixture
+def core(bpy: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A fake core in place of the real one, and a scene of 40 x 30 pixels and 4 passes."""
+    if bpy is None:
+        return None
+    import photon_map.core
+
+    fake = FakeCore()
+    # Into the dictionary: looking at the real one first would import Numba.
+    monkeypatch.setitem(vars(photon_map.core), "render", fake.render)
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = 40, 30
+    scene.render.resolution_percentage = 100
+    scene.photon_map.passes = 4
+    add_camera(bpy)
+    return fake
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -2,106 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.blender.support import add_camera, add_cube, headless_render, read_exr, save_exr
-
-
-def update(
-    phase: str, passes: int, film: Any, error: float, seconds: float, plan: Any = None
-) -> Any:
-    """Looks like ``core.Update``, whose import needs Numba."""
-    return SimpleNamespace(
-        phase=phase, passes=passes, film=film, relative_error=error, seconds=seconds,
-        setup_seconds=0.5, plan=plan, message="",
-    )  # fmt: skip
-
-
-class FakeFilm:
-    """A ramp in which every pixel tells its place.
-
-    The direct light's red is the column and its green the row from the bottom, both of the
-    whole image; its blue counts the faces of the scene.
-    """
-
-    def __init__(self, region: tuple[int, int, int, int], faces: int) -> None:
-        x0, y0, x1, y1 = region
-        self.width, self.height, self.passes = x1 - x0, y1 - y0, 0
-        self.statistics = SimpleNamespace(non_finite=0)
-        rows, columns = np.mgrid[y0:y1, x0:x1]
-        direct = np.stack([columns, rows, np.full_like(rows, faces)], axis=2)
-        self.layers = {
-            "direct": direct,
-            "emission": self.flat(0.25),
-            "caustics": self.flat(0.5),
-            "indirect": self.flat(0.125),
-            "depth": self.flat(7.0),
-            "normal": self.flat(0.0, 0.6, 0.8),
-            "albedo": self.flat(0.1, 0.2, 0.3),
-            "combined": np.concatenate([direct + 0.875, self.flat(1.0)], axis=2),
-        }
-        for layer in ("emission", "caustics", "indirect"):
-            self.layers[layer] = np.repeat(self.layers[layer], 3, axis=2)
-        self.LAYERS = {name: layer.shape[2] for name, layer in self.layers.items()}
-
-    def flat(self, *values: float) -> np.ndarray:
-        return np.broadcast_to(values, (self.height, self.width, len(values)))
-
-    def resolve(self, layer: str) -> np.ndarray:
-        assert self.passes > 0
-        return np.ascontiguousarray(self.layers[layer], dtype=np.float32)
-
-
-class FakeCore:
-    """Takes the place of ``core.render``, with ``FakeFilm``."""
-
-    def __init__(self) -> None:
-        self.passes_made = 0
-        self.closed = 0
-        self.fail_at: int | None = None
-        self.error: BaseException = ValueError("the core broke")
-        self.on_pass: Callable[[int], None] = lambda number: None
-        self.warnings: tuple[str, ...] = ()
-
-    def render(self, scene: Any, settings: Any) -> Iterator[Any]:
-        x0, y0, x1, y1 = settings.region or (0, 0, scene.camera.width, scene.camera.height)
-        film = FakeFilm((x0, y0, x1, y1), len(scene.faces))
-        plan = SimpleNamespace(stages=(), warnings=self.warnings)
-        try:
-            yield update("setup", 0, film, float("inf"), 0.0, plan)
-            for number in range(settings.passes):
-                if number == self.fail_at:
-                    raise self.error
-                film.passes = number + 1
-                self.passes_made = number + 1
-                self.on_pass(number + 1)
-                yield update("render", number + 1, film, 0.5, number + 1.0, plan)
-            yield update("done", settings.passes, film, 0.5, 1.0, plan)
-        finally:
-            self.closed += 1
-
-
-@pytest.fixture
-def core(bpy: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
-    if bpy is None:
-        return None
-    import photon_map.core
-
-    fake = FakeCore()
-    # Into the dictionary: looking at the real one first would import Numba.
-    monkeypatch.setitem(vars(photon_map.core), "render", fake.render)
-    scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = 40, 30
-    scene.render.resolution_percentage = 100
-    scene.photon_map.passes = 4
-    add_camera(bpy)
-    return fake
+from tests.blender.fake_core import update
+from tests.blender.support import add_cube, headless_render, read_exr, save_exr
 
 
 def test_the_first_row_is_at_the_bottom(bpy: Any, core: Any, tmp_path: Path) -> None:
@@ -143,6 +51,31 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
     assert (image["ViewLayer.Caustics"] == 0.5).all()
 
 
+def test_the_unfinished_image_is_shown(
+    bpy: Any, core: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the user interface the result is written again and again."""
+    from photon_map.addon import final
+
+    written: list[int] = []
+    real = final.write_film
+
+    def write(engine: Any, film: Any, view_layer: Any) -> None:
+        written.append(film.passes)
+        real(engine, film, view_layer)
+
+    monkeypatch.setattr(final, "watched", lambda: True)
+    monkeypatch.setattr(final, "REDRAW_INTERVAL", 0.0)
+    monkeypatch.setattr(final, "write_film", write)
+    bpy.context.view_layer.use_pass_z = True
+    save_exr(bpy, tmp_path / "a.exr")
+    headless_render(bpy)
+    assert written == [1, 2, 3, 4, 4]
+    image = read_exr(tmp_path / "a.exr")
+    assert image["ViewLayer.Combined"][5, 6] == pytest.approx([6.875, 5.875, 0.875, 1.0])
+    assert (image["ViewLayer.Depth"] == 7.0).all()
+
+
 def test_passes_that_are_off_are_not_there(bpy: Any, core: Any, tmp_path: Path) -> None:
     bpy.context.view_layer.photon_map.use_pass_caustics = False
     save_exr(bpy, tmp_path / "a.exr")
@@ -168,77 +101,6 @@ def test_each_view_layer_is_rendered(bpy: Any, core: Any, tmp_path: Path) -> Non
     assert "ViewLayer.Depth" not in image
     assert not any(name.startswith("Off.") for name in image)
     assert core.closed == 2
-
-
-def set_border(bpy: Any, border: tuple[float, float, float, float], crop: bool) -> None:
-    render = bpy.context.scene.render
-    render.use_border, render.use_crop_to_border = True, crop
-    # Blender keeps minimum and maximum apart while they are set.
-    render.border_min_x, render.border_min_y = 0.0, 0.0
-    render.border_max_x, render.border_max_y = 1.0, 1.0
-    render.border_min_x, render.border_min_y = border[:2]
-    render.border_max_x, render.border_max_y = border[2:]
-
-
-def test_border_without_crop(bpy: Any, core: Any, tmp_path: Path) -> None:
-    set_border(bpy, (0.25, 0.1, 0.5, 0.7), crop=False)
-    save_exr(bpy, tmp_path / "a.exr")
-    job = headless_render(bpy)
-    assert job.settings.region == (10, 3, 20, 21)
-    image = read_exr(tmp_path / "a.exr")["ViewLayer.Combined"]
-    assert image.shape == (30, 40, 4)
-    assert image[3, 10] == pytest.approx([10.875, 3.875, 0.875, 1.0])
-    assert image[20, 19] == pytest.approx([19.875, 20.875, 0.875, 1.0])
-    outside = np.ones((30, 40), bool)
-    outside[3:21, 10:20] = False
-    assert not image[outside].any()
-
-
-def test_border_with_crop(bpy: Any, core: Any, tmp_path: Path) -> None:
-    set_border(bpy, (0.25, 0.1, 0.5, 0.7), crop=True)
-    save_exr(bpy, tmp_path / "a.exr")
-    headless_render(bpy)
-    image = read_exr(tmp_path / "a.exr")["ViewLayer.Combined"]
-    assert image.shape == (18, 10, 4)
-    assert image[0, 0] == pytest.approx([10.875, 3.875, 0.875, 1.0])
-
-
-@pytest.mark.parametrize("crop", [False, True])
-def test_any_border_fits_blenders_rounding(
-    bpy: Any, core: Any, tmp_path: Path, crop: bool
-) -> None:
-    """Sizes that are one off would raise, offsets that are one off would shift the ramp."""
-    rng = np.random.default_rng(5)
-    render = bpy.context.scene.render
-    bpy.context.scene.photon_map.passes = 1
-    cases = [np.sort(rng.random((2, 2)), axis=0).ravel() for _ in range(25)]
-    halves = [np.array([k + 0.5, k + 0.5, k + 7.5, k + 7.5]) / 64 for k in range(4)]
-    for number, case in enumerate(cases + halves):
-        if number < len(cases):
-            render.resolution_x, render.resolution_y = rng.integers(30, 99, 2).tolist()
-        else:
-            render.resolution_x = render.resolution_y = 64
-        if (case[2:] - case[:2]).min() < 0.1:
-            continue
-        set_border(bpy, tuple(case.tolist()), crop=crop)
-        save_exr(bpy, tmp_path / "a.exr")
-        job = headless_render(bpy)
-        image = read_exr(tmp_path / "a.exr")["ViewLayer.Combined"]
-        x0, y0, x1, y1 = job.settings.region
-        if crop:
-            assert image.shape[:2] == (y1 - y0, x1 - x0)
-        else:
-            image = image[y0:y1, x0:x1]
-        expected = np.mgrid[y0:y1, x0:x1].astype(float) + 0.875
-        assert image[..., 0] == pytest.approx(expected[1])
-        assert image[..., 1] == pytest.approx(expected[0])
-
-
-def test_a_border_around_everything_is_none(bpy: Any, core: Any, tmp_path: Path) -> None:
-    set_border(bpy, (0.0, 0.0, 1.0, 1.0), crop=False)
-    save_exr(bpy, tmp_path / "a.exr")
-    assert headless_render(bpy).settings.region is None
-    assert read_exr(tmp_path / "a.exr")["ViewLayer.Combined"].shape == (30, 40, 4)
 
 
 @pytest.mark.parametrize("at", [0, 2])
