@@ -30,9 +30,9 @@ from .core.scene.dump import save_scene
 from .core.scene.scene import SceneError
 from .core.settings import Settings, SettingsError
 from .core.version import ENGINE, VERSION
-from .image_file import write_exr
+from .image_file import Frame, write_exr
 from .progress import ProgressDisplay, describe
-from .source import CommandError, Source
+from .source import CommandError, Loaded, Source
 
 if TYPE_CHECKING:
     from .core import Update
@@ -121,7 +121,9 @@ def render(
         "seed": seed,
         "threads": threads,
         "pixel_filter": filter_ and filter_.name,
-        "filter_width": filter_width,
+        "filter_width": 1.0
+        if filter_ == PixelFilter.BOX and not filter_width
+        else filter_width,
     }
     with reported_errors():
         source = _source(file, frame, size, overrides)
@@ -248,6 +250,14 @@ def _details(update: Update) -> dict[str, str]:
     return {"software": f"{ENGINE} {VERSION}", "render": describe(update)}
 
 
+def _frame(result: Loaded) -> Frame | None:
+    """The whole image, when only a region of it was rendered."""
+    region, camera = result.settings.region, result.scene.camera
+    if region is None or camera is None:
+        return None
+    return Frame(camera.width, camera.height, region[0], region[1])
+
+
 def _render_to(
     source: Source, pictures: dict[str, Path], report: Path | None, scene_file: Path | None
 ) -> bool:
@@ -269,7 +279,7 @@ def _render_to(
         if ".exr" in parts:
             film = result.update.film
             layers = {layer: film.resolve(layer) for layer in film.LAYERS}
-            write_exr(parts[".exr"], layers, _details(result.update))
+            write_exr(parts[".exr"], layers, _details(result.update), _frame(result))
         if report is not None:
             data = render_report(result.update, result.scene, result.settings, curve.points)
             text = json.dumps(data, indent=2, allow_nan=False) + "\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +16,28 @@ _CHANNELS = {"combined": "RGBA", "depth": "Z", "normal": "XYZ"}
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 
+class Frame(NamedTuple):
+    """The whole image that a region belongs to, and where its lower left pixel lies there."""
+
+    width: int
+    height: int
+    x: int
+    y: int
+
+
 def write_exr(
     path: str | os.PathLike[str],
     layers: Mapping[str, NDArray[np.float32]],
     metadata: Mapping[str, str],
+    frame: Frame | None = None,
 ) -> None:
     """Write ``layers`` (h, w, c), row 0 at the bottom, as float32 scene-linear channels.
 
     ``combined`` becomes R G B A (premultiplied), ``depth`` ``depth.Z``, ``normal``
     ``normal.X/.Y/.Z``, every other layer ``<layer>.R/.G/.B``. ``metadata`` becomes string
-    attributes. Raises ``OSError`` when the file cannot be written.
+    attributes. ``frame`` says where in a larger image the layers lie: they become the data
+    window, and the larger image the display window. Raises ``OSError`` when the file cannot
+    be written.
     """
     import OpenEXR
 
@@ -37,16 +50,27 @@ def write_exr(
         for index, letter in enumerate(letters):
             plane = pixels[::-1, :, index].astype(np.float32)
             channels[prefix + letter] = np.ascontiguousarray(plane)
-    header = {
+    header: dict[str, Any] = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
         "chromaticities": _REC709,
         **metadata,
     }
+    if frame is not None:
+        height, width = next(iter(layers.values())).shape[:2]
+        left, top = frame.x, frame.height - frame.y - height
+        header["dataWindow"] = _window(left, top, width, height)
+        header["displayWindow"] = _window(0, 0, frame.width, frame.height)
     try:
         OpenEXR.File(header, channels).write(os.fspath(path))
     except RuntimeError as error:
         raise OSError(f"cannot write '{os.fspath(path)}': {error}") from error
+
+
+def _window(left: int, top: int, width: int, height: int) -> tuple[NDArray, NDArray]:
+    """First and last pixel, as EXR has it: rows count downwards."""
+    first = np.array([left, top], dtype=np.int32)
+    return first, first + np.array([width - 1, height - 1], dtype=np.int32)
 
 
 def write_png(

@@ -7,7 +7,7 @@ import OpenEXR
 import pytest
 from PIL import Image
 
-from photon_map.image_file import srgb, write_exr, write_png
+from photon_map.image_file import Frame, srgb, write_exr, write_png
 
 
 def test_exr_keeps_every_bit_and_what_is_not_finite(tmp_path: Path, rng: np.random.Generator):
@@ -20,7 +20,7 @@ def test_exr_keeps_every_bit_and_what_is_not_finite(tmp_path: Path, rng: np.rand
     write_exr(tmp_path / "a.exr", layers, {"scene": "box"})
     with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as file:
         channels = {name: channel.pixels for name, channel in file.channels().items()}
-        header = file.header()
+        header = dict(file.header())
     assert header["scene"] == "box"
     # Blender's linear space: Rec. 709 primaries, D65 white.
     expected = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -29,6 +29,18 @@ def test_exr_keeps_every_bit_and_what_is_not_finite(tmp_path: Path, rng: np.rand
     assert read.tobytes() == layers["combined"].tobytes()
     assert channels["depth.Z"][::-1].tobytes() == layers["depth"].tobytes()
     assert channels["caustics.B"][::-1].tobytes() == layers["caustics"][..., 2].tobytes()
+
+
+def test_a_region_lies_in_its_image_as_exr_has_it(tmp_path: Path):
+    layers = {"depth": np.arange(6, dtype=np.float32).reshape(2, 3, 1)}
+    # Columns 4 to 6; rows 1 and 2 from the bottom are 7 and 8 of 10 from the top.
+    write_exr(tmp_path / "a.exr", layers, {}, Frame(width=20, height=10, x=4, y=1))
+    with OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True) as file:
+        windows = [np.array(file.header()[f"{name}Window"]) for name in ("data", "display")]
+        pixels = file.channels()["depth.Z"].pixels.copy()
+    assert windows[0].tolist() == [[4, 7], [6, 8]]
+    assert windows[1].tolist() == [[0, 0], [19, 9]]
+    assert pixels.tolist() == [[3, 4, 5], [0, 1, 2]]
 
 
 def test_a_layer_of_the_wrong_shape_is_refused(tmp_path: Path):
