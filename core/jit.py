@@ -17,11 +17,17 @@ import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numba
 import numpy as np
 from llvmlite import binding
+from numpy.typing import NDArray
+
+#: Kernel arguments: a structured array or plain array, and one row or named tuple of them.
+#: NumPy's types cannot name the fields of a structured array.
+Table: TypeAlias = NDArray[Any]
+Row: TypeAlias = Any
 
 _KEEP_SECONDS = 14 * 24 * 3600.0
 
@@ -80,9 +86,9 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder()
     try:
-        compiled: Callable[..., Any] = numba.njit(
-            cache=True, nogil=True, error_model="numpy"
-        )(function)
+        compiled: Callable[..., Any] = numba.njit(cache=True, nogil=True, error_model="numpy")(
+            function
+        )
     finally:
         numba.config.CACHE_DIR = before
     return compiled

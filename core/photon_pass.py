@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
 from .camera_pass.chunk import PhotonMaps, Region
+from .photons.photon_map import build_photon_map
+from .photons.radius import radius_factor
+from .photons.trace import Walk, trace_photons
+from .pilot import PILOT_PASS, Radii, first_radii
 from .plan import Plan
 from .prepared import Prepared
 from .sampling.rng import PHOTON_CAUSTIC, PHOTON_GLOBAL
 from .settings import Settings
-from .pilot import PILOT_PASS, Radii, first_radii
-from .photons.photon_map import build_photon_map
-from .photons.radius import radius_factor
-from .photons.trace import Walk, trace_photons
 
 
-class Batch(NamedTuple):
+@dataclass(frozen=True)
+class Batch:
     """A slice of the photon paths of one kind in one pass."""
 
     caustic: bool
@@ -26,15 +27,16 @@ class Batch(NamedTuple):
     total: int
 
 
-def photon_batches(plan: Plan, settings: Settings) -> list[Batch]:
+def photon_batches(plan: Plan, settings: Settings, pixels: int) -> list[Batch]:
     """Cut the photons of a pass into batches of at most ``chunk_size`` paths."""
     batches: list[Batch] = []
-    for caustic, on, total in (
+    for caustic, on, chosen in (
         (True, plan.is_on("caustics"), settings.photons_caustic),
         (False, plan.is_on("indirect"), settings.photons_global),
     ):
         if not on:
             continue
+        total = settings.photon_count(chosen, pixels)
         for start in range(0, total, settings.chunk_size):
             batches.append(
                 Batch(caustic, start, min(settings.chunk_size, total - start), total)

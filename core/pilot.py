@@ -18,7 +18,7 @@ PILOT_PASS = 1 << 40
 #: Pixels that the pilot looks at, at most.
 PIXELS = 4096
 #: Photons in the first disc of the final gather's map.
-GLOBAL_NEIGHBOURS = 40
+GLOBAL_NEIGHBOURS = 20
 #: The grid's cells suit discs of the usual size; this bounds the others, as factors.
 SPREAD = 4.0
 
@@ -43,7 +43,7 @@ def first_radii(
     samples = np.zeros(pixels.count, SAMPLE)
     rays = Rays(pixels.count)
     vertices = trace_camera(prepared, settings, region, PILOT_PASS, pixels, rays, samples)
-    ends = trace_gather(prepared, settings, vertices, rays, samples)
+    ends, _ = trace_gather(prepared, settings, PILOT_PASS, vertices, samples)
     size = prepared.centre.radius
     seen = footprints(prepared.camera, np.ascontiguousarray(vertices["length"]))
     typical = float(np.median(seen)) if len(seen) else 1e-3 * size

@@ -7,6 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
@@ -65,11 +66,11 @@ class _Render:
             prepared = yield from self._watch(
                 self.pool.submit(prepare, self.scene, self.settings), "building the scene"
             )
-            batches = photon_batches(self.plan, self.settings)
+            batches = photon_batches(
+                self.plan, self.settings, self.region.width * self.region.height
+            )
             radii = yield from self._watch(
-                self.pool.submit(
-                    pilot_radii, prepared, self.settings, self.region, batches
-                ),
+                self.pool.submit(pilot_radii, prepared, self.settings, self.region, batches),
                 "pilot pass (compiles the kernels when they are new)",
             )
             yield from self._watch(
@@ -109,7 +110,7 @@ class _Render:
 
     def _warm_up(self, prepared: Prepared, radii: Radii, batches: list[Batch]) -> None:
         """One pixel through every kernel: compiling is set-up, not rendering."""
-        few = [batch._replace(count=min(batch.count, 16)) for batch in batches]
+        few = [replace(batch, count=min(batch.count, 16)) for batch in batches]
         walks = [trace_batch(prepared, self.settings, 0, batch) for batch in few]
         maps = photon_maps(self.settings, radii, 0, few, walks)
         trace_chunk(prepared, self.settings, self.region, 0, Pixels(0, 1), maps)
@@ -139,7 +140,7 @@ class _Render:
                 while not wait([future], timeout=SILENCE).done:
                     yield self._update("render", "")
                     last = time.perf_counter()
-                self._add(future.result())
+                self._add(i, future.result())
                 if self._out_of_time():
                     return
                 if time.perf_counter() - last >= SILENCE / 2:
@@ -151,8 +152,8 @@ class _Render:
             ):
                 return
 
-    def _add(self, chunk: Chunk) -> None:
-        self.film.add(chunk.pixels.start, chunk.samples)
+    def _add(self, i: int, chunk: Chunk) -> None:
+        self.film.add(i, chunk.pixels.start, chunk.samples)
         self.film.statistics.rays += chunk.rays
 
     def _count(self, maps: PhotonMaps) -> None:

@@ -10,6 +10,10 @@ from typing import Literal
 PixelFilter = Literal["BOX", "GAUSSIAN", "BLACKMAN_HARRIS"]
 
 
+#: A photon count that follows the size of the image.
+AUTOMATIC = -1
+
+
 class SettingsError(ValueError):
     """A setting out of its range; the message names it and the range."""
 
@@ -20,7 +24,9 @@ class Settings:
 
     It stops at ``passes``, ``seconds`` (0 = no limit) or when ``relative_error`` reaches
     ``error_goal`` (0 = none), whichever comes first; one whole pass is always made.
-    Photon counts are emitted photons per pass; depths count surface interactions.
+    Photon counts are emitted photons per pass, -1: half the
+    number of pixels but 8192 at least, 0: none; ``gather_rays`` final-gather rays leave
+    each place where a camera path ends; depths count surface interactions.
     ``min_throughput``: camera paths that carry less are ended. ``region`` is
     (x0, y0, x1, y1) in pixels, row 0 at the bottom, None for the whole image.
     ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
@@ -32,8 +38,9 @@ class Settings:
     error_goal: float = 0.0
     seed: int = 0
     threads: int = 0
-    photons_global: int = 16384
-    photons_caustic: int = 16384
+    photons_global: int = AUTOMATIC
+    photons_caustic: int = AUTOMATIC
+    gather_rays: int = 4
     camera_depth: int = 32
     photon_depth: int = 32
     min_throughput: float = 1e-4
@@ -60,6 +67,10 @@ class Settings:
             if not (0 <= x0 < x1 and 0 <= y0 < y1):
                 raise SettingsError(f"region {self.region} has no pixel")
 
+    def photon_count(self, chosen: int, pixels: int) -> int:
+        """Photons to emit per pass: ``chosen``, or what suits an image of ``pixels``."""
+        return max(8192, pixels // 2) if chosen == AUTOMATIC else chosen
+
     @property
     def thread_count(self) -> int:
         """Threads to use: the setting, or every core this process may run on."""
@@ -76,8 +87,9 @@ _RANGES: dict[str, tuple[float, float]] = {
     "error_goal": (0, 10),
     "seed": (0, 2**31 - 1),
     "threads": (0, 1024),
-    "photons_global": (0, 100_000_000),
-    "photons_caustic": (0, 100_000_000),
+    "photons_global": (AUTOMATIC, 100_000_000),
+    "photons_caustic": (AUTOMATIC, 100_000_000),
+    "gather_rays": (1, 1024),
     "camera_depth": (1, 1024),
     "photon_depth": (1, 1024),
     "min_throughput": (0, 1),

@@ -19,6 +19,7 @@ FIELDS = (
     "threads",
     "photons_global",
     "photons_caustic",
+    "gather_rays",
     "camera_depth",
     "photon_depth",
     "min_throughput",
@@ -32,6 +33,9 @@ def export_settings(scene: Any, overrides: Mapping[str, Any]) -> Settings:
     """Settings of ``scene``; ``overrides`` win. Raises ``SettingsError``."""
     values = {name: getattr(scene.photon_map, name) for name in FIELDS}
     values["filter_width"] = scene.render.filter_size
+    if {**values, **overrides}["pixel_filter"] == "BOX":
+        # As in Cycles: the stock width is one for filters with tails.
+        values["filter_width"] = 1.0
     values["transparent"] = scene.render.film_transparent
     values["region"] = border_region(scene)
     values.update(overrides)

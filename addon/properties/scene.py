@@ -47,19 +47,29 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
     )
     photons_global: IntProperty(  # type: ignore[valid-type]
         name="Global Photons",
-        description="Photons emitted in each pass for indirect light",
+        description="Photons emitted in each pass for indirect light; -1 chooses "
+        "by the size of the image",
         default=_DEFAULT.photons_global,
-        min=0,
+        min=-1,
         max=100_000_000,
         soft_max=1_000_000,
     )
     photons_caustic: IntProperty(  # type: ignore[valid-type]
         name="Caustic Photons",
-        description="Photons emitted in each pass towards glass and mirrors",
+        description="Photons emitted in each pass towards glass and mirrors; -1 chooses "
+        "by the size of the image",
         default=_DEFAULT.photons_caustic,
-        min=0,
+        min=-1,
         max=100_000_000,
         soft_max=1_000_000,
+    )
+    gather_rays: IntProperty(  # type: ignore[valid-type]
+        name="Gather Rays",
+        description="Final-gather rays for indirect light from each place that the camera sees",
+        default=_DEFAULT.gather_rays,
+        min=1,
+        max=1024,
+        soft_max=64,
     )
     caustic_radius: FloatProperty(  # type: ignore[valid-type]
         name="Caustic Radius",

@@ -50,6 +50,7 @@ class PHOTONMAP_RENDER_PT_photons(PhotonMapRenderPanel, bpy.types.Panel):
         column, settings = self.column(context)
         column.prop(settings, "photons_global", text="Global per Pass")
         column.prop(settings, "photons_caustic", text="Caustic per Pass")
+        column.prop(settings, "gather_rays")
         column.separator()
         column.prop(settings, "caustic_radius")
         column.prop(settings, "alpha")

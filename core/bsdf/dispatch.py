@@ -9,7 +9,7 @@ one file beside this one, one branch in each function below, one entry in ``Mode
 from __future__ import annotations
 
 from ..geometry.vector import Vector, dot, vector
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..scene.tables import Model
 from .conductor import sample_conductor
 from .dielectric import sample_dielectric, sample_refraction
@@ -30,13 +30,13 @@ def is_specular(model: int) -> bool:
 
 
 @kernel
-def mean(weight) -> float:
+def mean(weight: Table) -> float:
     """Mean of the three channels."""
     return (weight[0] + weight[1] + weight[2]) / 3.0
 
 
 @kernel
-def lobe_weights(material, lobes) -> tuple[float, float]:
+def lobe_weights(material: Row, lobes: Table) -> tuple[float, float]:
     """Total mean weight of the non-specular and of the specular lobes."""
     smooth = 0.0
     rough = 0.0
@@ -49,7 +49,7 @@ def lobe_weights(material, lobes) -> tuple[float, float]:
 
 
 @kernel
-def is_lambertian(material, lobes) -> bool:
+def is_lambertian(material: Row, lobes: Table) -> bool:
     """Whether the non-specular part is Lambertian alone (its value is a constant)."""
     for k in range(material.lobe_start, material.lobe_start + material.lobe_count):
         if lobes[k].model == PHONG:
@@ -58,7 +58,7 @@ def is_lambertian(material, lobes) -> bool:
 
 
 @kernel
-def albedo_nonspecular(material, lobes) -> Vector:
+def albedo_nonspecular(material: Row, lobes: Table) -> Vector:
     """Summed weights of the non-specular lobes."""
     r = g = b = 0.0
     for k in range(material.lobe_start, material.lobe_start + material.lobe_count):
@@ -71,7 +71,7 @@ def albedo_nonspecular(material, lobes) -> Vector:
 
 
 @kernel
-def eval_nonspecular(material, lobes, n: Vector, wo: Vector, wi: Vector) -> Vector:
+def eval_nonspecular(material: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector) -> Vector:
     """BSDF value of the non-specular lobes [1/sr], without the cosine."""
     r = g = b = 0.0
     if dot(n, wi) <= 0.0 or dot(n, wo) <= 0.0:
@@ -92,7 +92,7 @@ def eval_nonspecular(material, lobes, n: Vector, wo: Vector, wi: Vector) -> Vect
 
 
 @kernel
-def pdf_nonspecular(material, lobes, n: Vector, wo: Vector, wi: Vector) -> float:
+def pdf_nonspecular(material: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector) -> float:
     """Density of ``sample_nonspecular`` per solid angle."""
     if dot(n, wi) <= 0.0:
         return 0.0
@@ -115,7 +115,7 @@ def pdf_nonspecular(material, lobes, n: Vector, wo: Vector, wi: Vector) -> float
 
 @kernel
 def sample_nonspecular(
-    material, lobes, n: Vector, wo: Vector, u_lobe: float, u: float, v: float
+    material: Row, lobes: Table, n: Vector, wo: Vector, u_lobe: float, u: float, v: float
 ) -> Vector:
     """Direction from one non-specular lobe, chosen by mean weight; may lie below ``n``."""
     rough, _ = lobe_weights(material, lobes)
@@ -136,8 +136,8 @@ def sample_nonspecular(
 
 @kernel
 def sample_specular(
-    material,
-    lobes,
+    material: Row,
+    lobes: Table,
     n: Vector,
     wo: Vector,
     entering: bool,

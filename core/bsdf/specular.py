@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..geometry.media import ior_around
 from ..geometry.vector import Vector, dot
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from .dispatch import sample_specular
 
 
 @kernel
 def scatter_specular(
-    materials, lobes, path, row: int, ng: Vector, ns: Vector, entering: bool, wo: Vector,
-    u_lobe: float, u: float,
-):  # fmt: skip
+    materials: Table,
+    lobes: Table,
+    path: Row,
+    row: int,
+    ng: Vector,
+    ns: Vector,
+    entering: bool,
+    wo: Vector,
+    u_lobe: float,
+    u: float,
+) -> Any:
     """Draw a specular event of material ``row``: (wi, weight (3,), transmitted, eta).
 
     The index on the far side comes from the path's media. ``weight`` is zero when nothing

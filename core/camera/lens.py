@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 
 from ..geometry.vector import Vector, along, normalize, read, subtract
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..sampling.warps import sample_disk, sample_polygon
 
 
 @kernel
-def sample_lens(camera, u: float, v: float) -> tuple[float, float]:
+def sample_lens(camera: Row, u: float, v: float) -> tuple[float, float]:
     """Point of the aperture in camera x and y [m]: disc or polygon, turned, squeezed."""
     if camera.blades >= 3:
         x, y = sample_polygon(camera.blades, u, v)
@@ -27,17 +27,24 @@ def sample_lens(camera, u: float, v: float) -> tuple[float, float]:
 
 
 @kernel
-def filter_offset(table, u: float) -> float:
+def filter_offset(table: Table, u: float) -> float:
     """Offset from the pixel's middle [pixels] with the filter's distribution."""
-    position = u * (len(table) - 1)
-    k = min(int(position), len(table) - 2)
-    t = position - k
-    return table[k] * (1.0 - t) + table[k + 1] * t
+    low = 0
+    high = table.shape[1] - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if table[1, middle] <= u:
+            low = middle
+        else:
+            high = middle
+    share = table[1, high] - table[1, low]
+    t = (u - table[1, low]) / share if share > 0.0 else 0.5
+    return table[0, low] * (1.0 - t) + table[0, high] * t
 
 
 @kernel
 def camera_ray(
-    camera, x: int, y: int, u_x: float, u_y: float, u_lens: float, v_lens: float
+    camera: Row, x: int, y: int, u_x: float, u_y: float, u_lens: float, v_lens: float
 ) -> tuple[Vector, Vector]:
     """Ray of pixel (x, y), counted from the bottom left: (origin, unit direction)."""
     right = read(camera.axes, 0)

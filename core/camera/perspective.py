@@ -19,8 +19,8 @@ class CameraTables(NamedTuple):
     """A camera as kernels see it, in centred coordinates.
 
     ``axes`` rows: right, up, forward. A pixel position (x, y) from the bottom left looks
-    along right (x step_x + left) + up (y step_y + bottom) + forward. ``filter_table``:
-    inverse distribution of the pixel filter over [0, 1], offsets in pixels.
+    along right (x step_x + left) + up (y step_y + bottom) + forward. ``filter_table``
+    (2, n): see ``film/filters``.
     """
 
     position: NDArray[np.float64]

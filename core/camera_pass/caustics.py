@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from ..geometry.vector import vector
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..photons.gather import gather_radiance
 from .paths import add
 
 
 @kernel
-def footprint(camera, length: float) -> float:
+def footprint(camera: Row, length: float) -> float:
     """Radius [m] of what a pixel shows at ``length`` along its path.
 
     A pixel's width there, and the circle of confusion of the lens: a blurred place can be
@@ -25,7 +26,7 @@ def footprint(camera, length: float) -> float:
 
 
 @kernel
-def footprints(camera, lengths):
+def footprints(camera: Row, lengths: Table) -> Any:
     """``footprint`` of each of ``lengths`` (N,)."""
     out = np.zeros(len(lengths))
     for k in range(len(lengths)):
@@ -35,7 +36,14 @@ def footprints(camera, lengths):
 
 @kernel
 def gather_caustics(
-    materials, lobes, camera, photon_map, radii, vertices, count, samples
+    materials: Table,
+    lobes: Table,
+    camera: Row,
+    photon_map: Row,
+    radii: Table,
+    vertices: Table,
+    count: int,
+    samples: Table,
 ) -> None:
     """Add the caustic layer at ``count`` vertices.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,8 @@ class PhotonMaps(NamedTuple):
     rays: int
 
 
-class Pixels(NamedTuple):
+@dataclass(frozen=True)
+class Pixels:
     """Which pixels of a region a chunk takes: ``count`` from ``start`` by ``stride``."""
 
     start: int
@@ -78,9 +80,13 @@ class Rays:
 
 
 def trace_chunk(
-    prepared: Prepared, settings: Settings, region: Region, i: int, pixels: Pixels,
+    prepared: Prepared,
+    settings: Settings,
+    region: Region,
+    i: int,
+    pixels: Pixels,
     maps: PhotonMaps,
-) -> Chunk:  # fmt: skip
+) -> Chunk:
     """Render ``pixels`` of ``region`` in pass ``i`` with the photons of ``maps``."""
     samples = np.zeros(pixels.count, SAMPLE)
     rays = Rays(pixels.count)
@@ -91,8 +97,9 @@ def trace_chunk(
                 prepared.materials, prepared.lobes, prepared.camera, maps.caustic,
                 maps.caustic_radii, vertices, len(vertices), samples,
             )  # fmt: skip
-        _light_directly(prepared, vertices, rays, samples)
-        ends = trace_gather(prepared, settings, vertices, rays, samples)
+        rays.traced += _light_directly(prepared, settings, i, vertices, samples)
+        ends, traced = trace_gather(prepared, settings, i, vertices, samples)
+        rays.traced += traced
         if maps.global_ is not None:
             gather_indirect(
                 prepared.materials, prepared.lobes, maps.global_, maps.global_radius,
@@ -102,9 +109,14 @@ def trace_chunk(
 
 
 def trace_camera(
-    prepared: Prepared, settings: Settings, region: Region, i: int, pixels: Pixels,
-    rays: Rays, samples: NDArray[np.void],
-) -> NDArray[np.void]:  # fmt: skip
+    prepared: Prepared,
+    settings: Settings,
+    region: Region,
+    i: int,
+    pixels: Pixels,
+    rays: Rays,
+    samples: NDArray[np.void],
+) -> NDArray[np.void]:
     """Camera chains of ``pixels``: emission and first hits into ``samples``, their ends."""
     start_paths(
         prepared.camera, prepared.camera_media, region.x0, region.y0, region.width,
@@ -115,21 +127,29 @@ def trace_camera(
 
 
 def trace_gather(
-    prepared: Prepared, settings: Settings, vertices: NDArray[np.void], rays: Rays,
+    prepared: Prepared,
+    settings: Settings,
+    i: int,
+    vertices: NDArray[np.void],
     samples: NDArray[np.void],
-) -> NDArray[np.void]:  # fmt: skip
-    """Final-gather rays from ``vertices``: their half of direct light, and their ends."""
+) -> tuple[NDArray[np.void], int]:
+    """Final-gather rays from ``vertices``: their half of direct light; (ends, rays)."""
+    rays = Rays(len(vertices) * settings.gather_rays)
     count = start_gather(
-        prepared.materials, prepared.lobes, vertices, len(vertices),
+        i, settings.gather_rays, prepared.materials, prepared.lobes, vertices, len(vertices),
         rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
-    return _follow(prepared, settings, rays, count, True, samples)
+    return _follow(prepared, settings, rays, count, True, samples), rays.traced
 
 
 def _follow(
-    prepared: Prepared, settings: Settings, rays: Rays, count: int, gather: bool,
+    prepared: Prepared,
+    settings: Settings,
+    rays: Rays,
+    count: int,
+    gather: bool,
     samples: NDArray[np.void],
-) -> NDArray[np.void]:  # fmt: skip
+) -> NDArray[np.void]:
     """Follow ``count`` chains to their ends, which come back as ``VERTEX`` rows."""
     # The first step ends most chains: the rest add little to a list that fits them.
     parts: list[NDArray[np.void]] = []
@@ -151,19 +171,23 @@ def _follow(
 
 
 def _light_directly(
-    prepared: Prepared, vertices: NDArray[np.void], rays: Rays, samples: NDArray[np.void]
-) -> None:
-    """Next-event estimation at ``vertices``."""
+    prepared: Prepared,
+    settings: Settings,
+    i: int,
+    vertices: NDArray[np.void],
+    samples: NDArray[np.void],
+) -> int:
+    """Next-event estimation at ``vertices``; the number of shadow rays."""
     count = len(vertices)
+    origins = np.zeros((count, 3), np.float32)
+    directions = np.zeros((count, 3), np.float32)
     lengths = np.zeros(count, np.float32)
     slots = np.zeros(count, np.int32)
     radiance = np.zeros((count, 3))
-    asked = sample_direct(
-        prepared.mesh, prepared.materials, prepared.lobes, prepared.lights, vertices, count,
-        rays.origins, rays.directions, lengths, slots, radiance,
+    asked: int = sample_direct(
+        i, settings.gather_rays, prepared.mesh, prepared.materials, prepared.lobes,
+        prepared.lights, vertices, count, origins, directions, lengths, slots, radiance,
     )  # fmt: skip
-    rays.traced += asked
-    free = prepared.intersector.is_free(
-        rays.origins[:asked], rays.directions[:asked], lengths[:asked]
-    )
+    free = prepared.intersector.is_free(origins[:asked], directions[:asked], lengths[:asked])
     add_direct(free, slots, radiance, asked, samples)
+    return asked

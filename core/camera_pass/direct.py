@@ -5,10 +5,10 @@ from __future__ import annotations
 from ..bsdf.dispatch import eval_nonspecular, pdf_nonspecular
 from ..geometry.interaction import leave
 from ..geometry.vector import along, dot, scale, store, subtract, vector
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR, sample_li
 from ..lights.selection import select_light
-from ..sampling.rng import uniform
+from ..sampling.rng import camera_2d, uniform
 from ..scene.tables import Visibility
 from .paths import power_heuristic
 from .records import LIGHT, LIGHT_POINT
@@ -18,14 +18,25 @@ _DIFFUSE_BIT = int(Visibility.DIFFUSE)
 
 @kernel
 def sample_direct(
-    mesh, materials, lobes, lights, vertices, count,
-    origins, directions, lengths, slots, radiance,
-) -> int:  # fmt: skip
+    i: int,
+    rays_each: int,
+    mesh: Row,
+    materials: Table,
+    lobes: Table,
+    lights: Row,
+    vertices: Table,
+    count: int,
+    origins: Table,
+    directions: Table,
+    lengths: Table,
+    slots: Table,
+    radiance: Table,
+) -> int:
     """Shadow rays of ``count`` vertices and what each one brings if it is free.
 
     Next-event estimation with multiple importance sampling. Writes compact rows: rays
     (n, 3) f4 with ``lengths`` in multiples of the direction, ``slots``, ``radiance``
-    (n, 3). Returns their number.
+    (n, 3). Returns their number. ``rays_each``: gather rays per vertex, the other technique.
     """
     out = 0
     for k in range(count):
@@ -39,10 +50,10 @@ def sample_direct(
             continue
         if entry < len(lights.lamps) and lights.lamps[entry].visibility & _DIFFUSE_BIT == 0:
             continue
+        u, v = camera_2d(i, vertex.pixel_key, LIGHT_POINT)
         wi, distance, light, pdf_w, delta = sample_li(
-            lights, mesh, materials, entry, p, ns, uniform(vertex.key, LIGHT + 1),
-            uniform(vertex.key, LIGHT_POINT), uniform(vertex.key, LIGHT_POINT + 1),
-        )  # fmt: skip
+            lights, mesh, materials, entry, p, ns, uniform(vertex.key, LIGHT + 1), u, v
+        )
         if not pdf_w > 0.0 or dot(wi, ng) <= 0.0:
             continue
         material = materials[vertex.row]
@@ -52,7 +63,7 @@ def sample_direct(
         weight = dot(wi, ns) / (pdf_w * prob)
         if not delta:
             pdf_bsdf = pdf_nonspecular(material, lobes, ns, wo, wi)
-            weight *= power_heuristic(pdf_w * prob, pdf_bsdf)
+            weight *= power_heuristic(pdf_w * prob, rays_each * pdf_bsdf)
         o = leave(p, ng, wi, vertex.offset)
         d = wi
         length = FAR
@@ -75,7 +86,7 @@ def sample_direct(
 
 
 @kernel
-def add_direct(free, slots, radiance, count, samples) -> None:
+def add_direct(free: Table, slots: Table, radiance: Table, count: int, samples: Table) -> None:
     """Add what the free shadow rays bring to their pixels."""
     for k in range(count):
         if free[k]:

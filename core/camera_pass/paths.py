@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..bsdf.dispatch import albedo_nonspecular, lobe_weights
 from ..bsdf.specular import scatter_specular
 from ..camera.lens import camera_ray
 from ..geometry.interaction import interact, leave
 from ..geometry.media import copy_media, cross_surface
 from ..geometry.vector import Vector, dot, read, scale, store, subtract, vector
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR, pdf_emitter_hit, see_lamp
 from ..lights.selection import selection_probability
 from ..lights.world import pdf_world
-from ..sampling.rng import CAMERA, stream, uniform
+from ..sampling.rng import CAMERA, camera_2d, stream, uniform
 from ..scene.tables import Visibility
 from .records import CHAIN, CHAIN_STEP, FILTER, LENS
 
@@ -24,9 +26,21 @@ _TRANSMISSION_BIT = int(Visibility.TRANSMISSION)
 
 @kernel
 def start_paths(
-    camera, camera_media, x0, y0, width, image_width, seed, i, start, stride, count,
-    origins, directions, paths,
-) -> None:  # fmt: skip
+    camera: Row,
+    camera_media: Table,
+    x0: int,
+    y0: int,
+    width: int,
+    image_width: int,
+    seed: int,
+    i: int,
+    start: int,
+    stride: int,
+    count: int,
+    origins: Table,
+    directions: Table,
+    paths: Table,
+) -> None:
     """Camera rays of pixels ``start``, ``start + stride`` ... of a region in pass ``i``.
 
     The region begins at pixel (x0, y0) and is ``width`` wide. A pixel's random numbers
@@ -37,12 +51,13 @@ def start_paths(
         x = x0 + pixel % width
         y = y0 + pixel // width
         key = stream(seed, CAMERA, i, y * image_width + x)
-        o, d = camera_ray(
-            camera, x, y, uniform(key, FILTER), uniform(key, FILTER + 1),
-            uniform(key, LENS), uniform(key, LENS + 1),
-        )  # fmt: skip
+        pixel_key = stream(seed, CAMERA, -1, y * image_width + x)
+        u_x, u_y = camera_2d(i, pixel_key, FILTER)
+        u_lens, v_lens = camera_2d(i, pixel_key, LENS)
+        o, d = camera_ray(camera, x, y, u_x, u_y, u_lens, v_lens)
         path = paths[k]
         path.key = key
+        path.pixel_key = pixel_key
         path.slot = k
         path.depth = 0
         path.event = _CAMERA_BIT
@@ -58,7 +73,7 @@ def start_paths(
 
 
 @kernel
-def add(target, beta, radiance: Vector, weight: float) -> None:
+def add(target: Row, beta: Table, radiance: Vector, weight: float) -> None:
     """Add ``beta * radiance * weight`` to a layer's pixel."""
     target[0] += beta[0] * radiance[0] * weight
     target[1] += beta[1] * radiance[1] * weight
@@ -74,7 +89,9 @@ def power_heuristic(pdf: float, other: float) -> float:
 
 
 @kernel
-def _see_light(path, sample, lights, entry: int, radiance: Vector, pdf_light: float) -> None:
+def _see_light(
+    path: Row, sample: Row, lights: Row, entry: int, radiance: Vector, pdf_light: float
+) -> None:
     """A light is hit: emission for a camera chain, one half of direct light for a gather.
 
     A gather path sees light only before its first specular surface: behind one it would
@@ -84,13 +101,11 @@ def _see_light(path, sample, lights, entry: int, radiance: Vector, pdf_light: fl
         add(sample.emission, path.beta, radiance, 1.0)
     elif path.event == _DIFFUSE_BIT:
         prob = selection_probability(lights, vector(path.origin), entry)
-        add(
-            sample.direct, path.beta, radiance, power_heuristic(path.pdf_w, prob * pdf_light)
-        )
+        add(sample.direct, path.beta, radiance, power_heuristic(path.pdf_w, prob * pdf_light))
 
 
 @kernel
-def _see_lamps(path, sample, lights, o: Vector, d: Vector, reach: float) -> None:
+def _see_lamps(path: Row, sample: Row, lights: Row, o: Vector, d: Vector, reach: float) -> None:
     """Lamps whose shape the ray passes before ``reach``; they do not stop it."""
     for j in range(len(lights.shaped)):
         entry = lights.shaped[j]
@@ -103,7 +118,7 @@ def _see_lamps(path, sample, lights, o: Vector, d: Vector, reach: float) -> None
 
 
 @kernel
-def _see_world(path, sample, lights, transparent: bool) -> None:
+def _see_world(path: Row, sample: Row, lights: Row, transparent: bool) -> None:
     """A ray that leaves the scene."""
     if transparent and path.event == _CAMERA_BIT:
         return
@@ -116,7 +131,7 @@ def _see_world(path, sample, lights, transparent: bool) -> None:
 
 
 @kernel
-def _first_hit(sample, camera, p: Vector, ns: Vector) -> None:
+def _first_hit(sample: Row, camera: Row, p: Vector, ns: Vector) -> None:
     """Depth and normal of what the pixel shows."""
     sample.hit = 1.0
     sample.alpha = 1.0
@@ -127,9 +142,25 @@ def _first_hit(sample, camera, p: Vector, ns: Vector) -> None:
 
 @kernel
 def step_paths(
-    mesh, materials, lobes, lights, camera, gather, transparent, most_depth, min_throughput,
-    hit_face, hit_u, hit_v, count, origins, directions, paths, vertices, samples,
-):  # fmt: skip
+    mesh: Row,
+    materials: Table,
+    lobes: Table,
+    lights: Row,
+    camera: Row,
+    gather: bool,
+    transparent: bool,
+    most_depth: int,
+    min_throughput: float,
+    hit_face: Table,
+    hit_u: Table,
+    hit_v: Table,
+    count: int,
+    origins: Table,
+    directions: Table,
+    paths: Table,
+    vertices: Table,
+    samples: Table,
+) -> Any:
     """One surface for each path: see lights, stop or scatter, compact.
 
     Returns (paths still on a chain, vertices written). ``gather`` tells that the paths
@@ -169,6 +200,7 @@ def step_paths(
             vertex = vertices[stopped]
             stopped += 1
             vertex.key = path.key
+            vertex.pixel_key = path.pixel_key
             vertex.slot = path.slot
             vertex.depth = path.depth
             vertex.row = row

@@ -14,6 +14,7 @@ _MEDIA = [("media_count", "i4"), ("media", "i4", STACK)]
 PATH = np.dtype(
     [
         ("key", "u8"),
+        ("pixel_key", "u8"),
         ("slot", "i4"),
         ("depth", "i4"),
         ("event", "i4"),
@@ -32,6 +33,7 @@ PATH = np.dtype(
 VERTEX = np.dtype(
     [
         ("key", "u8"),
+        ("pixel_key", "u8"),
         ("slot", "i4"),
         ("depth", "i4"),
         ("row", "i4"),
@@ -52,7 +54,8 @@ FILTER = 0
 LENS = 2
 LIGHT = 4
 LIGHT_POINT = 6
-GATHER_LOBE = 8
-GATHER = 9
+GATHER = 8
 CHAIN = 16
 CHAIN_STEP = 4
+GATHER_LOBE = 1 << 20
+GATHER_STEP = 1

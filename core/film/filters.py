@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..settings import PixelFilter
 
-_STEPS = 2048
+_STEPS = 1024
 
 
 def filter_profile(kind: PixelFilter, t: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -29,10 +29,17 @@ def filter_profile(kind: PixelFilter, t: NDArray[np.float64]) -> NDArray[np.floa
     return window
 
 
+#: Full support per width: Blender's widths are not those of the support.
+SUPPORT = {"BOX": 1.0, "GAUSSIAN": 3.0, "BLACKMAN_HARRIS": 2.0}
+
+
 def filter_table(kind: PixelFilter, width: float) -> NDArray[np.float64]:
-    """Offsets [pixels] at evenly spaced quantiles of a filter of full ``width`` [pixels]."""
+    """Distribution of a filter of Blender's ``width`` [pixels], for ``filter_offset``.
+
+    Rows (2, n): offsets from the pixel's middle [pixels] and the share of the filter that
+    lies before each.
+    """
     edge = np.linspace(-0.5, 0.5, _STEPS + 1)
     middle = 0.5 * (edge[1:] + edge[:-1])
     cdf = np.concatenate([[0.0], np.cumsum(filter_profile(kind, middle))])
-    quantile = np.linspace(0.0, 1.0, _STEPS + 1)
-    return np.interp(quantile, cdf / cdf[-1], edge) * width
+    return np.stack([edge * width * SUPPORT[kind], cdf / cdf[-1]])

@@ -12,7 +12,7 @@ from ..geometry.vector import (
     scale,
     subtract,
 )
-from ..jit import kernel
+from ..jit import Row, kernel
 
 #: Offset against self-hits, relative to the largest coordinate of the triangle.
 #: embreex starts rays at t = 0; shares of self-hits measured on a unit triangle:
@@ -22,7 +22,7 @@ OFFSET = 1e-6
 
 @kernel
 def interact(
-    mesh, face: int, u: float, v: float, wo: Vector
+    mesh: Row, face: int, u: float, v: float, wo: Vector
 ) -> tuple[Vector, Vector, Vector, bool, float]:
     """Point, normals, side and offset of a hit: (p, ng, ns, entering, offset).
 
@@ -61,7 +61,7 @@ def _largest(a: Vector, b: Vector, c: Vector) -> float:
 
 
 @kernel
-def _shading_normal(mesh, face: int, u: float, v: float, ng: Vector, wo: Vector) -> Vector:
+def _shading_normal(mesh: Row, face: int, u: float, v: float, ng: Vector, wo: Vector) -> Vector:
     """Interpolated normal on the side of ``ng``; ``ng`` itself where ``wo`` lies behind it."""
     n0 = read(mesh.normals[face], 0)
     n1 = read(mesh.normals[face], 1)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from .intersector import Intersector
 from .mesh import Mesh
 
@@ -19,7 +19,7 @@ STACK = 8
 
 
 @kernel
-def ior_around(materials, path, material: int, entering: bool) -> float:
+def ior_around(materials: Table, path: Row, material: int, entering: bool) -> float:
     """Index on the far side of ``material``'s own medium at its surface."""
     last = path.media_count - 1
     if not entering:
@@ -35,7 +35,7 @@ def ior_around(materials, path, material: int, entering: bool) -> float:
 
 
 @kernel
-def cross_surface(path, material: int, entering: bool) -> None:
+def cross_surface(path: Row, material: int, entering: bool) -> None:
     """Push or remove ``material`` after a refraction through its surface."""
     if entering:
         if path.media_count < STACK:
@@ -51,7 +51,7 @@ def cross_surface(path, material: int, entering: bool) -> None:
 
 
 @kernel
-def copy_media(target, source) -> None:
+def copy_media(target: Row, source: Row) -> None:
     """Copy a path's stack to another record."""
     target.media_count = source.media_count
     for k in range(source.media_count):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..jit import kernel
+from ..jit import Table, kernel
 
 Vector = tuple[float, float, float]
 
@@ -59,19 +59,19 @@ def normalize(a: Vector) -> Vector:
 
 
 @kernel
-def read(array, i: int) -> Vector:
+def read(array: Table, i: int) -> Vector:
     """Row ``i`` of an (N, 3) array, in float64."""
     return (float(array[i, 0]), float(array[i, 1]), float(array[i, 2]))
 
 
 @kernel
-def vector(row) -> Vector:
+def vector(row: Table) -> Vector:
     """A (3,) array as a tuple, in float64."""
     return (float(row[0]), float(row[1]), float(row[2]))
 
 
 @kernel
-def store(row, a: Vector) -> None:
+def store(row: Table, a: Vector) -> None:
     """Write a tuple into a (3,) array."""
     row[0] = a[0]
     row[1] = a[1]

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from ..geometry.vector import Vector, along, dot, subtract, vector
-from ..jit import kernel
+from ..jit import Row, kernel
 from ..sampling.warps import sample_disk
 
 
 @kernel
-def area(lamp, disk: bool) -> float:
+def area(lamp: Row, disk: bool) -> float:
     """Surface in m^2."""
     if disk:
         return 0.25 * math.pi * lamp.size_x * lamp.size_y
@@ -18,7 +18,7 @@ def area(lamp, disk: bool) -> float:
 
 
 @kernel
-def sample_point(lamp, disk: bool, u: float, v: float) -> Vector:
+def sample_point(lamp: Row, disk: bool, u: float, v: float) -> Vector:
     """Point uniform over the surface."""
     if disk:
         x, y = sample_disk(u, v)
@@ -32,7 +32,7 @@ def sample_point(lamp, disk: bool, u: float, v: float) -> Vector:
 
 
 @kernel
-def hit_area(lamp, disk: bool, o: Vector, d: Vector) -> tuple[float, float]:
+def hit_area(lamp: Row, disk: bool, o: Vector, d: Vector) -> tuple[float, float]:
     """Hit of the shining side: (distance, pdf_w of a uniform point); -1 if missed."""
     axis_z = vector(lamp.axis_z)
     cos_light = dot(d, axis_z)

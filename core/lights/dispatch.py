@@ -7,9 +7,10 @@ intensities are per channel. Emission of photons is in ``emission``.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from ..geometry.vector import Vector, dot, scale, subtract, to_world, vector
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..sampling.warps import sample_cone
 from ..scene.tables import LightKind
 from . import area, sun
@@ -36,7 +37,7 @@ FAR = 1e30
 
 
 @kernel
-def spot_scale(lamp, w: Vector) -> float:
+def spot_scale(lamp: Row, w: Vector) -> float:
     """Fraction of the axial intensity that a point or spot sends along ``w``."""
     if lamp.kind != SPOT:
         return 1.0
@@ -44,7 +45,7 @@ def spot_scale(lamp, w: Vector) -> float:
 
 
 @kernel
-def is_delta(lamp) -> bool:
+def is_delta(lamp: Row) -> bool:
     """Whether no ray can hit the lamp by chance."""
     if lamp.kind == SUN:
         return lamp.angle <= 0.0
@@ -52,7 +53,7 @@ def is_delta(lamp) -> bool:
 
 
 @kernel
-def sample_lamp(lamp, p: Vector, u: float, v: float):
+def sample_lamp(lamp: Row, p: Vector, u: float, v: float) -> Any:
     """Light from a lamp at ``p``: (wi, distance, radiance (3,), pdf_w).
 
     For delta lamps ``pdf_w`` is 1 and the radiance is the irradiance on a facing plane.
@@ -104,8 +105,16 @@ def cone_direction(axis: Vector, versine: float, u: float, v: float) -> Vector:
 
 @kernel
 def sample_li(
-    lights, mesh, materials, entry: int, p: Vector, n: Vector, u_face: float, u: float, v: float
-):
+    lights: Row,
+    mesh: Row,
+    materials: Table,
+    entry: int,
+    p: Vector,
+    n: Vector,
+    u_face: float,
+    u: float,
+    v: float,
+) -> Any:
     """Light from an entry at ``p``: (wi, distance, radiance (3,), pdf_w, delta)."""
     count = len(lights.lamps)
     if entry < count:
@@ -126,11 +135,17 @@ def sample_li(
     cos_light = abs(dot(wi, face_normal(mesh, face)))
     if cos_light <= 0.0:
         return wi, d, radiance, 0.0, False
-    return wi, d, radiance, d2 * pdf_area(materials, lights.emitters, material) / cos_light, False
+    return (
+        wi,
+        d,
+        radiance,
+        d2 * pdf_area(materials, lights.emitters, material) / cos_light,
+        False,
+    )
 
 
 @kernel
-def see_lamp(lamp, o: Vector, d: Vector):
+def see_lamp(lamp: Row, o: Vector, d: Vector) -> Any:
     """A ray's hit of a lamp's shape: (distance, radiance (3,), pdf_w of ``sample_lamp``).
 
     Distance -1 when missed; delta lamps are never hit.
@@ -152,7 +167,9 @@ def see_lamp(lamp, o: Vector, d: Vector):
 
 
 @kernel
-def pdf_emitter_hit(lights, mesh, materials, face: int, d: Vector, distance: float) -> float:
+def pdf_emitter_hit(
+    lights: Row, mesh: Row, materials: Table, face: int, d: Vector, distance: float
+) -> float:
     """``pdf_w`` of ``sample_li`` for having sampled the emissive face that a ray hit."""
     cos_light = abs(dot(d, face_normal(mesh, face)))
     if cos_light <= 0.0:

@@ -8,9 +8,10 @@ beams through a disc. Both can be aimed (``photons/aim``): the density is divide
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from ..geometry.vector import Vector, dot, scale, to_world, vector
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..sampling.warps import (
     sample_cosine_hemisphere,
     sample_disk,
@@ -35,7 +36,9 @@ _NONE = (0.0, 0.0, 0.0)
 
 
 @kernel
-def sample_anchor(lights, mesh, materials, entry: int, u_face: float, u: float, v: float):
+def sample_anchor(
+    lights: Row, mesh: Row, materials: Table, entry: int, u_face: float, u: float, v: float
+) -> Any:
     """Where a local entry sends from: (anchor, normal, margin, face).
 
     ``normal`` is the shining side's, or zero for lamps that shine all around; beams start
@@ -52,7 +55,9 @@ def sample_anchor(lights, mesh, materials, entry: int, u_face: float, u: float, 
 
 
 @kernel
-def sample_natural(lights, mesh, entry: int, face: int, u_side: float, u: float, v: float):
+def sample_natural(
+    lights: Row, mesh: Row, entry: int, face: int, u_side: float, u: float, v: float
+) -> Any:
     """Direction of an unaimed photon of a local entry, about as it emits: (w, pdf_w)."""
     if entry == len(lights.lamps):
         n = face_normal(mesh, face)
@@ -73,8 +78,16 @@ def sample_natural(lights, mesh, entry: int, face: int, u_side: float, u: float,
 
 @kernel
 def emitted(
-    lights, mesh, materials, entry: int, face: int, anchor: Vector, w: Vector, u: float, v: float
-):
+    lights: Row,
+    mesh: Row,
+    materials: Table,
+    entry: int,
+    face: int,
+    anchor: Vector,
+    w: Vector,
+    u: float,
+    v: float,
+) -> Any:
     """Start and power per solid angle of the photon along ``w``: (origin, normal, (3,) W/sr).
 
     Divide by the ``pdf_w`` of the direction for its flux. ``normal`` is that of the
@@ -97,7 +110,7 @@ def emitted(
 
 
 @kernel
-def sample_distant(lights, entry: int, u: float, v: float):
+def sample_distant(lights: Row, entry: int, u: float, v: float) -> Any:
     """Direction of a distant entry's beam and its irradiance: (w, (3,) W/m^2)."""
     if entry == len(lights.lamps) + 1:
         return sample_sphere(u, v), scale(vector(lights.world), 4.0 * math.pi)
@@ -112,7 +125,7 @@ def sample_distant(lights, entry: int, u: float, v: float):
 
 
 @kernel
-def first_visibility(lights, entry: int) -> int:
+def first_visibility(lights: Row, entry: int) -> int:
     """Visibility bits of an entry (``tables.Visibility``); faces and world: all."""
     if entry < len(lights.lamps):
         return lights.lamps[entry].visibility

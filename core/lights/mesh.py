@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..geometry.mesh import Mesh
 from ..geometry.vector import Vector, cross, normalize, read, subtract
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..sampling.distributions import cumulative, sample_discrete
 from ..sampling.warps import sample_triangle
 
@@ -39,7 +39,9 @@ def emitters_of(mesh: Mesh, materials: NDArray[np.void]) -> Emitters:
 
 
 @kernel
-def sample_emitter(mesh, emitters, u_face: float, u: float, v: float) -> tuple[int, Vector]:
+def sample_emitter(
+    mesh: Row, emitters: Row, u_face: float, u: float, v: float
+) -> tuple[int, Vector]:
     """A face by power and a point uniform on it."""
     face = emitters.faces[sample_discrete(emitters.cdf, u_face)]
     a = read(mesh.vertices, mesh.faces[face, 0])
@@ -56,7 +58,7 @@ def sample_emitter(mesh, emitters, u_face: float, u: float, v: float) -> tuple[i
 
 
 @kernel
-def face_normal(mesh, face: int) -> Vector:
+def face_normal(mesh: Row, face: int) -> Vector:
     """Unit geometric normal by winding."""
     a = read(mesh.vertices, mesh.faces[face, 0])
     b = read(mesh.vertices, mesh.faces[face, 1])
@@ -65,7 +67,7 @@ def face_normal(mesh, face: int) -> Vector:
 
 
 @kernel
-def pdf_area(materials, emitters, material: int) -> float:
+def pdf_area(materials: Table, emitters: Row, material: int) -> float:
     """``pdf_a`` of a point on a face of ``material``."""
     e = materials[material].emission
     return (e[0] + e[1] + e[2]) / 3.0 / emitters.power

@@ -49,9 +49,7 @@ def hit_sphere(centre: Vector, radius: float, o: Vector, d: Vector) -> tuple[flo
 
 
 @kernel
-def beam_origin(
-    centre: Vector, radius: float, w: Vector, x: float, y: float
-) -> Vector:
+def beam_origin(centre: Vector, radius: float, w: Vector, x: float, y: float) -> Vector:
     """Start on the sphere of the ray along ``w`` through disc point (x, y) of radius 1.
 
     A sphere of constant radiance sends the same parallel beam into every direction.

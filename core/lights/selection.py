@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..geometry.vector import Vector
-from ..jit import kernel
+from ..jit import Row, kernel
 from ..sampling.distributions import probability, sample_discrete
 
 #: Up to this many entries each one's strength is weighed at the point itself.
@@ -13,7 +13,7 @@ FLOOR = 0.1
 
 
 @kernel
-def local_strength(lights, entry: int, p: Vector) -> float:
+def local_strength(lights: Row, entry: int, p: Vector) -> float:
     """About the irradiance that entry sends to ``p`` when nothing blocks it."""
     s = lights.strength[entry]
     if s <= 0.0 or lights.distant[entry]:
@@ -26,7 +26,7 @@ def local_strength(lights, entry: int, p: Vector) -> float:
 
 
 @kernel
-def _totals(lights, p: Vector) -> tuple[float, int]:
+def _totals(lights: Row, p: Vector) -> tuple[float, int]:
     """Sum of the local strengths and the number of lights that are on."""
     total = 0.0
     on = 0
@@ -39,7 +39,7 @@ def _totals(lights, p: Vector) -> tuple[float, int]:
 
 
 @kernel
-def select_light(lights, p: Vector, u: float) -> tuple[int, float]:
+def select_light(lights: Row, p: Vector, u: float) -> tuple[int, float]:
     """Draw an entry: (entry, probability); -1 when there is no light."""
     count = len(lights.strength)
     if count > FEW:
@@ -64,7 +64,7 @@ def select_light(lights, p: Vector, u: float) -> tuple[int, float]:
 
 
 @kernel
-def selection_probability(lights, p: Vector, entry: int) -> float:
+def selection_probability(lights: Row, p: Vector, entry: int) -> float:
     """Probability that ``select_light`` draws ``entry`` at ``p``."""
     if len(lights.strength) > FEW:
         return probability(lights.photon_cdf, entry)

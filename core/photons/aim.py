@@ -9,14 +9,14 @@ spheres instead and did not divide by that density.)
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.mesh import Mesh
 from ..geometry.vector import Vector, along, dot, read, scale, subtract, to_world
-from ..jit import kernel
+from ..jit import Table, kernel
 from ..lights.light_set import LightSet, photon_shares
 from ..sampling.warps import one_minus_cos, sample_cone, sample_disk
 from ..scene.scene import Scene
@@ -104,7 +104,7 @@ def _useful_power(lights: LightSet, spheres: NDArray[np.float64]) -> NDArray[np.
 
 
 @kernel
-def cone_of(spheres, k: int, anchor: Vector, margin: float) -> tuple[Vector, float]:
+def cone_of(spheres: Table, k: int, anchor: Vector, margin: float) -> tuple[Vector, float]:
     """Axis and versine (1 - cos) of the cone of beams that can meet sphere ``k``."""
     to_centre = subtract(read(spheres, k), anchor)
     d2 = dot(to_centre, to_centre)
@@ -115,7 +115,7 @@ def cone_of(spheres, k: int, anchor: Vector, margin: float) -> tuple[Vector, flo
 
 
 @kernel
-def _weight(spheres, k: int, anchor: Vector, normal: Vector, margin: float) -> float:
+def _weight(spheres: Table, k: int, anchor: Vector, normal: Vector, margin: float) -> float:
     """Versine of cone ``k``, 0 when it lies behind a one-sided light."""
     if dot(normal, normal) > 0.0:
         if dot(subtract(read(spheres, k), anchor), normal) <= -spheres[k, 3]:
@@ -125,7 +125,13 @@ def _weight(spheres, k: int, anchor: Vector, normal: Vector, margin: float) -> f
 
 @kernel
 def aim_local(
-    spheres, anchor: Vector, normal: Vector, margin: float, u_cone: float, u: float, v: float
+    spheres: Table,
+    anchor: Vector,
+    normal: Vector,
+    margin: float,
+    u_cone: float,
+    u: float,
+    v: float,
 ) -> tuple[Vector, float]:
     """Direction from ``anchor`` towards the casters: (w, pdf_w); pdf 0 when none is ahead."""
     total = 0.0
@@ -164,7 +170,7 @@ def aim_local(
 
 
 @kernel
-def aim_distant(spheres, w: Vector, u_disc: float, u: float, v: float):
+def aim_distant(spheres: Table, w: Vector, u_disc: float, u: float, v: float) -> Any:
     """Point of a beam along ``w`` that can meet a caster: (point, pdf_a across the beam)."""
     total = 0.0
     for k in range(len(spheres)):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from ..geometry.interaction import OFFSET
 from ..geometry.media import STACK
 from ..geometry.vector import Vector, along, dot, store, to_world
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..lights.emission import (
     emitted,
     first_visibility,
@@ -46,7 +47,9 @@ FIRST_BOUNCE = 8
 
 
 @kernel
-def _distant_origin(lights, spheres, aimed: bool, w: Vector, u_disc, u, v):
+def _distant_origin(
+    lights: Row, spheres: Table, aimed: bool, w: Vector, u_disc: float, u: float, v: float
+) -> Any:
     """Start of a distant light's beam outside the scene: (origin, pdf_a)."""
     if aimed:
         p, pdf_a = aim_distant(spheres, w, u_disc, u, v)
@@ -60,9 +63,23 @@ def _distant_origin(lights, spheres, aimed: bool, w: Vector, u_disc, u, v):
 
 @kernel
 def emit_photons(
-    mesh, materials, lights, light_media, spheres, light_cdf, aimed, seed, purpose, i,
-    start, count, total, origins, directions, paths,
-):  # fmt: skip
+    mesh: Row,
+    materials: Table,
+    lights: Row,
+    light_media: Table,
+    spheres: Table,
+    light_cdf: Table,
+    aimed: bool,
+    seed: int,
+    purpose: int,
+    i: int,
+    start: int,
+    count: int,
+    total: int,
+    origins: Table,
+    directions: Table,
+    paths: Table,
+) -> Any:
     """Emit photon paths ``start``..``start + count`` of ``total``: how many have power.
 
     Writes rays into ``origins`` and ``directions`` (n, 3) f4 and records into ``paths``
@@ -91,9 +108,7 @@ def emit_photons(
                 w, pdf = aim_local(spheres, anchor, normal, margin, u_cone, u, v)
             else:
                 w, pdf = sample_natural(lights, mesh, entry, face, uniform(key, _SIDE), u, v)
-            origin, n, power = emitted(
-                lights, mesh, materials, entry, face, anchor, w, s, t
-            )
+            origin, n, power = emitted(lights, mesh, materials, entry, face, anchor, w, s, t)
             if face >= 0:
                 reach = max(abs(origin[0]), abs(origin[1]), abs(origin[2]))
                 side = OFFSET * (lights.radius if reach < lights.radius else reach)

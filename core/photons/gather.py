@@ -11,7 +11,7 @@ import math
 
 from ..bsdf.dispatch import albedo_nonspecular, eval_nonspecular, is_lambertian
 from ..geometry.vector import Vector, vector
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..sampling.warps import INV_PI
 from .photon_map import bucket_of, cell_key
 
@@ -31,7 +31,14 @@ def largest_radius(cell: float) -> float:
 
 @kernel
 def gather_radiance(
-    photon_map, p: Vector, ng: Vector, ns: Vector, wo: Vector, radius: float, material, lobes
+    photon_map: Row,
+    p: Vector,
+    ng: Vector,
+    ns: Vector,
+    wo: Vector,
+    radius: float,
+    material: Row,
+    lobes: Table,
 ) -> tuple[Vector, int]:
     """Radiance reflected to ``wo`` at ``p`` by the photons within ``radius``: (Lo, count)."""
     radius = min(radius, largest_radius(photon_map.cell))
@@ -75,9 +82,7 @@ def gather_radiance(
                         g += weight * flux[1]
                         b += weight * flux[2]
                     else:
-                        f = eval_nonspecular(
-                            material, lobes, ns, wo, vector(photon.direction)
-                        )
+                        f = eval_nonspecular(material, lobes, ns, wo, vector(photon.direction))
                         r += weight * f[0] * flux[0]
                         g += weight * f[1] * flux[1]
                         b += weight * f[2] * flux[2]

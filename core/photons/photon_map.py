@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import kernel
+from ..jit import Table, kernel
 from .trace import PHOTON, Walk
 
 _X = np.uint64(0x9E3779B97F4A7C15)
@@ -65,7 +65,9 @@ def bucket_of(key: int, buckets: int) -> int:
 
 
 @kernel
-def sort_into_cells(photons, order, cell, sorted_photons, keys, start) -> None:
+def sort_into_cells(
+    photons: Table, order: Table, cell: float, sorted_photons: Table, keys: Table, start: Table
+) -> None:
     """Counting sort by bucket, stable in ``order``."""
     count = len(photons)
     buckets = len(start) - 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,14 @@ from ..bsdf.specular import scatter_specular
 from ..geometry.interaction import interact, leave
 from ..geometry.media import cross_surface
 from ..geometry.vector import Vector, dot, scale, store, vector
-from ..jit import kernel
+from ..jit import Row, Table, kernel
 from ..sampling.rng import uniform
 from ..scene.tables import Visibility
+from ..settings import Settings
 from .emit import FIRST_BOUNCE, PHOTON_PATH, emit_photons
+
+if TYPE_CHECKING:
+    from ..prepared import Prepared
 
 #: One stored photon: ``direction`` points back to where it came from, ``normal`` is the
 #: surface's geometric normal on that side, ``flux`` [W] per channel.
@@ -45,18 +49,30 @@ class Walk(NamedTuple):
     rays: int
 
 
-def trace_photons(prepared, spheres, light_cdf, aimed, settings, purpose, i, start, count, total):
+def trace_photons(
+    prepared: Prepared,
+    spheres: Table,
+    light_cdf: Table,
+    aimed: bool,
+    settings: Settings,
+    purpose: int,
+    i: int,
+    start: int,
+    count: int,
+    total: int,
+) -> Walk:
     """Emit and trace photon paths ``start``..``start + count`` of ``total`` in pass ``i``.
 
-    ``prepared`` is the render's ``Prepared`` scene. Returns a ``Walk``; its ``order`` grows with path
-    and depth, so that batches can be put in one order whatever their size was.
+    Returns a ``Walk``; its ``order`` grows with path and depth, so that batches can be
+    put in one order whatever their size was.
     """
     origins = np.zeros((count, 3), np.float32)
     directions = np.zeros((count, 3), np.float32)
     paths = np.zeros(count, PHOTON_PATH)
     alive = emit_photons(
-        prepared.mesh, prepared.materials, prepared.lights, prepared.light_media, spheres, light_cdf,
-        aimed, settings.seed, purpose, i, start, count, total, origins, directions, paths,
+        prepared.mesh, prepared.materials, prepared.lights, prepared.light_media, spheres,
+        light_cdf, aimed, settings.seed, purpose, i, start, count, total, origins,
+        directions, paths,
     )  # fmt: skip
     stored: list[NDArray[np.void]] = []
     orders: list[NDArray[np.int64]] = []
@@ -80,13 +96,13 @@ def trace_photons(prepared, spheres, light_cdf, aimed, settings, purpose, i, sta
 
 
 @kernel
-def _is_seen(path, bit: int) -> bool:
+def _is_seen(path: Row, bit: int) -> bool:
     """Whether the light of a path may light this kind of first surface."""
     return path.depth > 0 or (path.visibility & bit) != 0
 
 
 @kernel
-def _store(photon, p: Vector, wo: Vector, ng: Vector, flux: Vector, ratio: float) -> None:
+def _store(photon: Row, p: Vector, wo: Vector, ng: Vector, flux: Vector, ratio: float) -> None:
     store(photon.position, p)
     store(photon.direction, wo)
     store(photon.normal, ng)
@@ -94,7 +110,9 @@ def _store(photon, p: Vector, wo: Vector, ng: Vector, flux: Vector, ratio: float
 
 
 @kernel
-def _scatter_diffuse(material, lobes, ng, ns, wo, key, base):
+def _scatter_diffuse(
+    material: Row, lobes: Table, ng: Vector, ns: Vector, wo: Vector, key: np.uint64, base: int
+) -> Any:
     """Draw a direction from the non-specular lobes: (wi, weight (3,))."""
     wi = sample_nonspecular(
         material, lobes, ns, wo, uniform(key, base + 2), uniform(key, base + 3),
@@ -111,9 +129,21 @@ def _scatter_diffuse(material, lobes, ng, ns, wo, key, base):
 
 @kernel
 def step_photons(
-    mesh, materials, lobes, caustic, most_depth,
-    hit_face, hit_u, hit_v, count, origins, directions, paths, photons, order,
-):  # fmt: skip
+    mesh: Row,
+    materials: Table,
+    lobes: Table,
+    caustic: bool,
+    most_depth: int,
+    hit_face: Table,
+    hit_u: Table,
+    hit_v: Table,
+    count: int,
+    origins: Table,
+    directions: Table,
+    paths: Table,
+    photons: Table,
+    order: Table,
+) -> Any:
     """One surface for each photon: store, scatter, compact: (still alive, stored).
 
     ``caustic`` photons live on specular surfaces alone and are stored only after one.
@@ -155,9 +185,7 @@ def step_photons(
         else:
             if not _is_seen(path, _DIFFUSE_BIT):
                 continue
-            wi, weight = _scatter_diffuse(
-                materials[row], lobes, ng, ns, wo, path.key, base
-            )
+            wi, weight = _scatter_diffuse(materials[row], lobes, ng, ns, wo, path.key, base)
             ratio *= total / rough
             path.specular = 0
         new = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..jit import kernel
+from ..jit import Table, kernel
 
 
 def cumulative(weights: ArrayLike) -> NDArray[np.float64]:
@@ -22,7 +22,7 @@ def cumulative(weights: ArrayLike) -> NDArray[np.float64]:
 
 
 @kernel
-def sample_discrete(cdf, u: float) -> int:
+def sample_discrete(cdf: Table, u: float) -> int:
     """Index whose slice of the cumulative table holds ``u`` in [0, 1)."""
     low = 0
     high = len(cdf) - 1
@@ -36,7 +36,7 @@ def sample_discrete(cdf, u: float) -> int:
 
 
 @kernel
-def probability(cdf, i: int) -> float:
+def probability(cdf: Table, i: int) -> float:
     """Probability of entry ``i``."""
     if i == 0:
         return cdf[0]

@@ -19,6 +19,10 @@ _LOW_32 = np.uint64(0xFFFFFFFF)
 _TO_UNIT_53 = 1.0 / 9007199254740992.0
 _TO_UNIT_32 = 1.0 / 4294967296.0
 
+#: Passes are dealt out to this many independent sequences. Within one the points of a pixel
+#: are stratified over its passes; between them they are not, which tells the true error.
+REPLICATES = 4
+
 # What a stream is for; streams of different purpose never share numbers.
 CAMERA = 1
 PHOTON_GLOBAL = 2
@@ -95,3 +99,16 @@ def sobol_2d(index: int, key: np.uint64) -> tuple[float, float]:
     x = _scramble(x, mix(key + _MIX_1) & _LOW_32)
     y = _scramble(y, mix(key + _MIX_2) & _LOW_32)
     return float(x) * _TO_UNIT_32, float(y) * _TO_UNIT_32
+
+
+@kernel
+def camera_2d(
+    i: int, pixel_key: np.uint64, dimension: int, j: int = 0, each: int = 1
+) -> tuple[float, float]:
+    """Point ``j`` of the ``each`` points that pass ``i`` takes of a pixel's pair of dimensions.
+
+    Pass i takes its points from replicate i % REPLICATES.
+    """
+    replicate = np.uint64(i % REPLICATES)
+    index = (i // REPLICATES) * each + j
+    return sobol_2d(index, mix(pixel_key + replicate) + np.uint64(dimension))
