@@ -113,11 +113,13 @@ def same_means(
     other: ArrayLike,
     other_variance: ArrayLike = 0.0,
     level: float = LEVEL,
-    floor: float = 0.0,
+    floor: ArrayLike = 0.0,
+    freedom: float = np.inf,
 ) -> None:
     """Assert that means with known variances agree everywhere (Z-tests, Sidak-corrected).
 
-    ``floor`` is an absolute difference that is always allowed (rounding, a known bias).
+    ``floor`` is an absolute difference that is always allowed (rounding, a known bias);
+    ``freedom``: degrees of freedom when the variances are estimates of few runs (t-tests).
     """
     a, b = np.asarray(mean, float), np.asarray(other, float)
     spread = np.sqrt(np.asarray(variance, float) + np.asarray(other_variance, float))
@@ -126,7 +128,7 @@ def same_means(
     excess = np.maximum(np.abs(a - b) - floor, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         z = np.where(excess > 0, excess / spread, 0.0)
-    p = 2 * stats.norm.sf(z)
+    p = 2 * stats.t.sf(z, freedom)
     worst = np.unravel_index(np.argmin(p), p.shape)
     assert p.min() > sidak(level, p.size), (
         f"at {tuple(map(int, worst))}: {a[worst]:.6g} against {b[worst]:.6g}, "
