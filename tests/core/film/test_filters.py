@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from photon_map.core.camera.lens import filter_offset
 from photon_map.core.film.filters import filter_profile, filter_table
 from photon_map.tests.statistics import chi_square
