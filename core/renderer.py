@@ -109,11 +109,14 @@ class _Render:
         return future.result()
 
     def _warm_up(self, prepared: Prepared, radii: Radii, batches: list[Batch]) -> None:
-        """One pixel through every kernel: compiling is set-up, not rendering."""
+        """A few pixels through every kernel: compiling is set-up, not rendering."""
         few = [replace(batch, count=min(batch.count, 16)) for batch in batches]
         walks = [trace_batch(prepared, self.settings, 0, batch) for batch in few]
         maps = photon_maps(self.settings, radii, 0, few, walks)
-        trace_chunk(prepared, self.settings, self.region, 0, Pixels(0, 1), maps)
+        total = self.region.width * self.region.height
+        stride = max(1, total // 256)
+        pixels = Pixels(0, total // stride, stride)
+        trace_chunk(prepared, self.settings, self.region, 0, pixels, maps)
 
     def _passes(
         self, prepared: Prepared, radii: Radii, batches: list[Batch]

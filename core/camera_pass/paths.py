@@ -141,6 +141,68 @@ def _first_hit(sample: Row, camera: Row, p: Vector, ns: Vector) -> None:
 
 
 @kernel
+def _stop(vertex: Row, path: Row, row: int, offset: float, share: float) -> None:
+    """A path ends at a wide scatterer, chosen with probability 1 / ``share``."""
+    vertex.key = path.key
+    vertex.pixel_key = path.pixel_key
+    vertex.slot = path.slot
+    vertex.depth = path.depth
+    vertex.row = row
+    vertex.offset = offset
+    vertex.length = path.length
+    store(vertex.beta, scale(vector(path.beta), share))
+    copy_media(vertex, path)
+
+
+@kernel
+def _go_on(
+    materials: Table,
+    lobes: Table,
+    path: Row,
+    row: int,
+    ng: Vector,
+    ns: Vector,
+    entering: bool,
+    wo: Vector,
+    base: int,
+    share: float,
+) -> Vector:
+    """A specular event, chosen with probability 1 / ``share``: the new direction."""
+    wi, weight, transmitted, eta = scatter_specular(
+        materials, lobes, path, row, ng, ns, entering, wo,
+        uniform(path.key, base + 1), uniform(path.key, base + 2),
+    )  # fmt: skip
+    factor = share
+    path.event = _GLOSSY_BIT
+    if transmitted:
+        # Radiance, unlike flux, is squeezed with the solid angle (Veach 1997, 5.2).
+        factor /= eta * eta
+        path.event = _TRANSMISSION_BIT
+        cross_surface(path, row, entering)
+    for c in range(3):
+        path.beta[c] *= weight[c] * factor
+    return wi
+
+
+@kernel
+def _see_faces(
+    path: Row,
+    sample: Row,
+    lights: Row,
+    mesh: Row,
+    materials: Table,
+    face: int,
+    d: Vector,
+    way: float,
+) -> None:
+    """A face that may emit is hit after ``way``."""
+    emission = vector(materials[mesh.material[face]].emission)
+    if emission[0] + emission[1] + emission[2] > 0.0:
+        pdf_w = pdf_emitter_hit(lights, mesh, materials, face, d, way)
+        _see_light(path, sample, lights, len(lights.lamps), emission, pdf_w)
+
+
+@kernel
 def step_paths(
     mesh: Row,
     materials: Table,
@@ -183,10 +245,7 @@ def step_paths(
         way = dot(subtract(p, o), d)
         _see_lamps(path, sample, lights, o, d, way)
         row = mesh.material[face]
-        emission = vector(materials[row].emission)
-        if emission[0] + emission[1] + emission[2] > 0.0:
-            pdf_w = pdf_emitter_hit(lights, mesh, materials, face, d, way)
-            _see_light(path, sample, lights, len(lights.lamps), emission, pdf_w)
+        _see_faces(path, sample, lights, mesh, materials, face, d, way)
         path.length += way
         if path.event == _CAMERA_BIT:
             _first_hit(sample, camera, p, ns)
@@ -196,42 +255,23 @@ def step_paths(
         base = CHAIN + CHAIN_STEP * path.depth
         path.depth += 1
         if uniform(path.key, base) * (rough + smooth) >= smooth:
-            share = (rough + smooth) / rough
             vertex = vertices[stopped]
             stopped += 1
-            vertex.key = path.key
-            vertex.pixel_key = path.pixel_key
-            vertex.slot = path.slot
-            vertex.depth = path.depth
-            vertex.row = row
-            vertex.offset = offset
-            vertex.length = path.length
             store(vertex.p, p)
             store(vertex.ng, ng)
             store(vertex.ns, ns)
             store(vertex.wo, wo)
-            store(vertex.beta, scale(vector(path.beta), share))
-            copy_media(vertex, path)
+            _stop(vertex, path, row, offset, (rough + smooth) / rough)
             if not gather:
                 add(sample.albedo, vertex.beta, albedo_nonspecular(materials[row], lobes), 1.0)
             continue
         if path.depth >= most_depth:
             continue
-        wi, weight, transmitted, eta = scatter_specular(
-            materials, lobes, path, row, ng, ns, entering, wo,
-            uniform(path.key, base + 1), uniform(path.key, base + 2),
-        )  # fmt: skip
-        factor = (rough + smooth) / smooth
-        if transmitted:
-            # Radiance, unlike flux, is squeezed with the solid angle (Veach 1997, 5.2).
-            factor /= eta * eta
-            cross_surface(path, row, entering)
-        path.beta[0] *= weight[0] * factor
-        path.beta[1] *= weight[1] * factor
-        path.beta[2] *= weight[2] * factor
+        wi = _go_on(
+            materials, lobes, path, row, ng, ns, entering, wo, base, (rough + smooth) / smooth
+        )
         if not max(path.beta[0], path.beta[1], path.beta[2]) > min_throughput:
             continue
-        path.event = _TRANSMISSION_BIT if transmitted else _GLOSSY_BIT
         store(path.direction, wi)
         if alive != k:
             paths[alive] = paths[k]

@@ -128,6 +128,24 @@ def _scatter_diffuse(
 
 
 @kernel
+def _survive(path: Row, flux: Vector, weight: Vector, ratio: float, base: int) -> bool:
+    """Russian roulette that keeps the flux of the survivors about what it was."""
+    new = (
+        flux[0] * weight[0] * ratio,
+        flux[1] * weight[1] * ratio,
+        flux[2] * weight[2] * ratio,
+    )
+    most = max(new)
+    if not most > 0.0:
+        return False
+    survival = min(1.0, most / max(flux))
+    if uniform(path.key, base + 1) >= survival:
+        return False
+    store(path.flux, scale(new, 1.0 / survival))
+    return True
+
+
+@kernel
 def step_photons(
     mesh: Row,
     materials: Table,
@@ -188,20 +206,9 @@ def step_photons(
             wi, weight = _scatter_diffuse(materials[row], lobes, ng, ns, wo, path.key, base)
             ratio *= total / rough
             path.specular = 0
-        new = (
-            flux[0] * weight[0] * ratio,
-            flux[1] * weight[1] * ratio,
-            flux[2] * weight[2] * ratio,
-        )
-        most = max(new)
-        if not most > 0.0:
-            continue
-        # Roulette keeps the flux of the survivors about what it was.
-        survival = min(1.0, most / max(flux))
-        if uniform(path.key, base + 1) >= survival:
+        if not _survive(path, flux, weight, ratio, base):
             continue
         path.depth += 1
-        store(path.flux, scale(new, 1.0 / survival))
         store(path.direction, wi)
         origin = leave(p, ng, wi, offset)
         if alive != k:

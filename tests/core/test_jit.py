@@ -1,0 +1,54 @@
+"""The kernel cache: an edit anywhere in the core must be seen, wherever it is called from."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import textwrap
+
+from photon_map.core.jit import fingerprint
+
+
+def run(folder, cache):
+    """Run the small package with a kernel cache of its own; its printed result."""
+    code = textwrap.dedent(
+        f"""
+        import os, sys
+        os.environ["PHOTON_MAP_CACHE_DIR"] = {str(cache)!r}
+        sys.path.insert(0, {str(folder)!r})
+        from pathlib import Path
+        from photon_map.core import jit
+        own = jit.fingerprint
+        jit.fingerprint = lambda folder=None: own(Path({str(folder)!r}))
+        import caller
+        print(caller.twice(5.0))
+        """
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
+    )
+    return float(done.stdout)
+
+
+def test_an_edited_callee_is_compiled_anew(tmp_path):
+    sources, cache = tmp_path / "sources", tmp_path / "cache"
+    sources.mkdir()
+    head = "from photon_map.core.jit import kernel\n"
+    (sources / "callee.py").write_text(head + "@kernel\ndef f(x):\n    return 2.0 * x\n")
+    (sources / "caller.py").write_text(
+        head + "from callee import f\n@kernel\ndef twice(x):\n    return 2.0 * f(x)\n"
+    )
+    assert run(sources, cache) == 20
+    before = sorted(path.name for path in cache.iterdir())
+    assert run(sources, cache) == 20
+    assert sorted(path.name for path in cache.iterdir()) == before, "the cache was not used"
+    (sources / "callee.py").write_text(head + "@kernel\ndef f(x):\n    return 3.0 * x\n")
+    assert run(sources, cache) == 30
+
+
+def test_the_fingerprint_follows_every_source(tmp_path):
+    (tmp_path / "a.py").write_text("x = 1\n")
+    first = fingerprint(tmp_path)
+    assert fingerprint(tmp_path) == first
+    (tmp_path / "b.py").write_text("")
+    assert fingerprint(tmp_path) != first
