@@ -10,21 +10,12 @@ from typing import TYPE_CHECKING, TextIO
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
+from .core.report import completed
+
 if TYPE_CHECKING:
     from .core import Settings, Update
 
 _SECONDS_BETWEEN_LINES = 1.0
-
-
-def completed(update: Update, settings: Settings) -> float:
-    """Part of the render that is done, 0 to 1, by the limit that will be met first."""
-    parts = [update.passes / settings.passes]
-    if settings.seconds > 0:
-        parts.append(update.seconds / settings.seconds)
-    if settings.error_goal > 0 and update.relative_error > 0:
-        # Noise falls with the root of the passes.
-        parts.append((settings.error_goal / update.relative_error) ** 2)
-    return min(1.0, max(parts))
 
 
 def describe(update: Update) -> str:

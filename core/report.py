@@ -43,6 +43,17 @@ class ErrorCurve:
             )
 
 
+def completed(update: Update, settings: Settings) -> float:
+    """Part of the render that is done, 0 to 1, by the limit that will be met first."""
+    parts = [update.passes / settings.passes]
+    if settings.seconds > 0:
+        parts.append(update.seconds / settings.seconds)
+    if settings.error_goal > 0 and 0 < update.relative_error < math.inf:
+        # Noise falls with the root of the passes.
+        parts.append((settings.error_goal / update.relative_error) ** 2)
+    return float(min(1.0, max(parts)))
+
+
 def render_report(
     update: Update, scene: Scene, settings: Settings, curve: Sequence[CurvePoint] = ()
 ) -> dict[str, Any]:

@@ -1,13 +1,12 @@
 from __future__ import annotations
 
 import io
-import math
 
 import pytest
 
 from photon_map import progress
 from photon_map.core.settings import Settings
-from photon_map.progress import ProgressDisplay, completed, describe
+from photon_map.progress import ProgressDisplay, describe
 from tests.fake_render import FakeFilm, FakeUpdate
 
 FILM = FakeFilm(2, 2)
@@ -51,23 +50,6 @@ def test_a_terminal_gets_a_bar(monkeypatch: pytest.MonkeyPatch):
         )
     assert "25 %" in stream.getvalue()
     assert "pass 16, 2.0 s, error 0.2500" in stream.getvalue()
-
-
-@pytest.mark.parametrize(
-    ("update", "settings", "part"),
-    [
-        (FakeUpdate(16, FILM), Settings(passes=64), 0.25),
-        (FakeUpdate(16, FILM, seconds=5.0), Settings(passes=64, seconds=10.0), 0.5),
-        (FakeUpdate(1, FILM, relative_error=0.2), Settings(passes=64, error_goal=0.1), 0.25),
-        (FakeUpdate(1, FILM, relative_error=math.inf), Settings(error_goal=0.1), 1 / 64),
-        (FakeUpdate(9, FILM, relative_error=0.0), Settings(passes=9, error_goal=0.1), 1.0),
-        (FakeUpdate(9, FILM, seconds=30.0), Settings(passes=64, seconds=10.0), 1.0),
-    ],
-)
-def test_the_limit_that_comes_first_is_the_one_shown(
-    update: FakeUpdate, settings: Settings, part: float
-):
-    assert completed(update, settings) == pytest.approx(part, rel=1e-12)
 
 
 def test_an_error_that_is_not_known_is_said_so():

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
-from photon_map.core.report import ErrorCurve, render_report
+from photon_map.core.report import ErrorCurve, completed, render_report
 from photon_map.core.scene.builder import SceneBuilder
 from photon_map.core.settings import Settings
 from photon_map.core.version import VERSION
@@ -72,3 +73,20 @@ def test_an_error_that_is_not_known_is_null():
     for unknown in (math.inf, math.nan, np.float64("nan")):
         report = render_report(FakeUpdate(1, 1.0, unknown), scene, Settings())
         assert report["relative_error"] is None
+
+
+@pytest.mark.parametrize(
+    ("update", "settings", "part"),
+    [
+        (FakeUpdate(16), Settings(passes=64), 0.25),
+        (FakeUpdate(16, seconds=5.0), Settings(passes=64, seconds=10.0), 0.5),
+        (FakeUpdate(1, relative_error=0.2), Settings(passes=64, error_goal=0.1), 0.25),
+        (FakeUpdate(1, relative_error=math.inf), Settings(error_goal=0.1), 1 / 64),
+        (FakeUpdate(9, relative_error=0.0), Settings(passes=9, error_goal=0.1), 1.0),
+        (FakeUpdate(9, seconds=30.0), Settings(passes=64, seconds=10.0), 1.0),
+    ],
+)
+def test_the_limit_that_comes_first_is_the_one_shown(
+    update: FakeUpdate, settings: Settings, part: float
+):
+    assert completed(update, settings) == pytest.approx(part, rel=1e-12)
