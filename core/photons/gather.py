@@ -30,6 +30,26 @@ def largest_radius(cell: float) -> float:
 
 
 @kernel
+def _may_hold(
+    x: int, y: int, z: int, cell: float, p: Vector, ng: Vector, radius: float, high: float
+) -> bool:
+    """Whether the cell's box meets the query's slab: cheaper than looking the cell up."""
+    half = 0.5 * cell
+    dx = (x + 0.5) * cell - p[0]
+    dy = (y + 0.5) * cell - p[1]
+    dz = (z + 0.5) * cell - p[2]
+    reach = half * (abs(ng[0]) + abs(ng[1]) + abs(ng[2])) + high
+    if abs(dx * ng[0] + dy * ng[1] + dz * ng[2]) > reach:
+        return False
+    # The disc's corners stick out of the ball by at most the slab's height.
+    ball = radius * radius + high * high
+    gap_x = max(0.0, abs(dx) - half)
+    gap_y = max(0.0, abs(dy) - half)
+    gap_z = max(0.0, abs(dz) - half)
+    return gap_x * gap_x + gap_y * gap_y + gap_z * gap_z <= ball
+
+
+@kernel
 def gather_radiance(
     photon_map: Row,
     p: Vector,
@@ -58,18 +78,18 @@ def gather_radiance(
     for z in range(z0, z1 + 1):
         for y in range(y0, y1 + 1):
             for x in range(x0, x1 + 1):
+                if not _may_hold(x, y, z, cell, p, ng, radius, high):
+                    continue
                 key = cell_key(x, y, z)
                 bucket = bucket_of(key, buckets)
                 for k in range(photon_map.start[bucket], photon_map.start[bucket + 1]):
-                    if photon_map.keys[k] != key:
-                        continue
                     photon = photon_map.photons[k]
                     dx = photon.position[0] - p[0]
                     dy = photon.position[1] - p[1]
                     dz = photon.position[2] - p[2]
                     height = dx * ng[0] + dy * ng[1] + dz * ng[2]
                     d2 = dx * dx + dy * dy + dz * dz - height * height
-                    if d2 >= r2 or abs(height) > high:
+                    if d2 >= r2 or abs(height) > high or photon_map.keys[k] != key:
                         continue
                     normal = photon.normal
                     if normal[0] * ng[0] + normal[1] * ng[1] + normal[2] * ng[2] < LEAST_COSINE:
