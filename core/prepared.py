@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from threading import Event
 from typing import NamedTuple
 
 import numpy as np
@@ -37,15 +38,18 @@ class Prepared(NamedTuple):
     intersector: Intersector
 
 
-def prepare(scene: Scene, settings: Settings) -> Prepared:
-    """Build the tables and the ray tracer of ``scene``; raises ``SceneError``."""
+def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prepared:
+    """Build the tables and the ray tracer of ``scene``; raises ``SceneError``.
+
+    Setting ``stop`` later ends all work on rays (``Intersector``).
+    """
     if scene.camera is None:
         raise SceneError(
             f"scene '{scene.name}' has no camera: add one and make it the scene's camera"
         )
     centre = centre_of(scene)
     mesh = centred_mesh(scene, centre)
-    intersector = Intersector(mesh)
+    intersector = Intersector(mesh, stop)
     lights = light_set(scene, mesh, centre)
     camera = camera_tables(
         scene.camera, centre, filter_table(settings.pixel_filter, settings.filter_width)

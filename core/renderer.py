@@ -56,6 +56,7 @@ class _Render:
         self.stop = threading.Event()
         self.begin = time.perf_counter()
         self.render_begin = self.begin
+        self.compiling = True
         self.error = float("inf")
         self.error_passes = 0
 
@@ -64,7 +65,8 @@ class _Render:
         try:
             yield self._update("setup", "building the scene")
             prepared = yield from self._watch(
-                self.pool.submit(prepare, self.scene, self.settings), "building the scene"
+                self.pool.submit(prepare, self.scene, self.settings, self.stop),
+                "building the scene",
             )
             batches = photon_batches(
                 self.plan, self.settings, self.region.width * self.region.height
@@ -77,12 +79,15 @@ class _Render:
                 self.pool.submit(self._warm_up, prepared, radii, batches),
                 "pilot pass (compiles the kernels when they are new)",
             )
+            self.compiling = False
             self.render_begin = time.perf_counter()
             yield from self._passes(prepared, radii, batches)
             yield self._update("done", "")
         finally:
             self.stop.set()
-            self.pool.shutdown(wait=True, cancel_futures=True)
+            # A kernel that is being compiled cannot be interrupted: its thread then ends by
+            # itself a little later. Everything else is joined here.
+            self.pool.shutdown(wait=not self.compiling, cancel_futures=True)
 
     def _update(self, phase: Phase, message: str) -> Update:
         now = time.perf_counter()

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from concurrent.futures import CancelledError
+from importlib import metadata
+from threading import Event
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +13,19 @@ from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
 from .mesh import Mesh
+
+
+def check_version(version: str) -> None:
+    """Raise ``ImportError`` for embreex 2, which pip falls back to where it finds no wheel.
+
+    It holds the GIL during queries and its intersections are not robust.
+    """
+    major, minor = (int(part) for part in version.split(".")[:2])
+    if (major, minor) < (4, 4):
+        raise ImportError(
+            f"embreex {version} is too old, Photon Map needs 4.4 or newer: pip install "
+            "'embreex>=4.4' (there are wheels for 64-bit Linux, Windows and macOS)"
+        )
 
 
 class Hits(NamedTuple):
@@ -21,9 +37,15 @@ class Hits(NamedTuple):
 
 
 class Intersector:
-    """Embree over one merged mesh; queries release the GIL and may run in many threads."""
+    """Embree over one merged mesh; queries release the GIL and may run in many threads.
 
-    def __init__(self, mesh: Mesh) -> None:
+    Once ``stop`` is set every query raises ``CancelledError``: all work on rays comes by
+    here, so a cancelled render ends within one step of one chunk.
+    """
+
+    def __init__(self, mesh: Mesh, stop: Event | None = None) -> None:
+        check_version(metadata.version("embreex"))
+        self._stop = stop or Event()
         self._scene = None
         if len(mesh.faces):
             self._scene = EmbreeScene()
@@ -34,6 +56,7 @@ class Intersector:
 
     def nearest(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> Hits:
         """First hit of each ray; origins and directions (N, 3) f4, any length."""
+        self._go_on()
         count = len(origins)
         if self._scene is None or count == 0:
             nothing = np.zeros(count, np.float32)
@@ -51,8 +74,13 @@ class Intersector:
 
         ``lengths`` (N,) f4, in multiples of the direction; its content is lost.
         """
+        self._go_on()
         if self._scene is None or len(origins) == 0:
             return np.ones(len(origins), np.bool_)
         found = self._scene.run(origins, directions, lengths, query="OCCLUDED")
         free: NDArray[np.bool_] = found != 0
         return free
+
+    def _go_on(self) -> None:
+        if self._stop.is_set():
+            raise CancelledError

@@ -118,3 +118,15 @@ def test_no_light_is_black_with_a_warning():
     assert any("no light" in w for w in last.plan.warnings)
     assert (last.film.resolve("combined")[..., :3] == 0).all()
     assert (last.film.resolve("depth") == 1.0).all() and last.relative_error == 0
+
+
+def test_closing_while_the_scene_is_being_built_ends_the_threads_soon():
+    updates = render(scenes.cornell_glass(256), Settings(passes=10_000))
+    next(updates)
+    begin = time.perf_counter()
+    updates.close()
+    assert time.perf_counter() - begin < 0.5
+    # With the kernels compiled by the tests before, nothing is left to wait for.
+    while [t for t in threading.enumerate() if t.name.startswith("photon_map")]:
+        assert time.perf_counter() - begin < 60, "a thread is still alive"
+        time.sleep(0.02)
