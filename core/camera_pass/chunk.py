@@ -123,7 +123,7 @@ def trace_camera(
         region.image_width, settings.seed, i, pixels.start, pixels.stride, pixels.count,
         rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
-    return _follow(prepared, settings, rays, pixels.count, False, samples)
+    return _follow(prepared, settings, i, rays, pixels.count, False, samples)
 
 
 def trace_gather(
@@ -139,12 +139,13 @@ def trace_gather(
         i, settings.gather_rays, prepared.materials, prepared.lobes, vertices, len(vertices),
         rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
-    return _follow(prepared, settings, rays, count, True, samples), rays.traced
+    return _follow(prepared, settings, i, rays, count, True, samples), rays.traced
 
 
 def _follow(
     prepared: Prepared,
     settings: Settings,
+    i: int,
     rays: Rays,
     count: int,
     gather: bool,
@@ -159,7 +160,7 @@ def _follow(
         vertices = np.zeros(count, VERTEX)
         count, stopped = step_paths(
             prepared.mesh, prepared.materials, prepared.lobes, prepared.lights,
-            prepared.camera, gather, settings.transparent, settings.camera_depth,
+            prepared.camera, i, gather, settings.transparent, settings.camera_depth,
             settings.min_throughput, hits.face, hits.u, hits.v, count, rays.origins,
             rays.directions, rays.paths, vertices, samples,
         )  # fmt: skip

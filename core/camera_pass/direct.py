@@ -8,7 +8,7 @@ from ..geometry.vector import along, dot, scale, store, subtract, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR, sample_li
 from ..lights.selection import select_light
-from ..sampling.rng import camera_2d, uniform
+from ..sampling.rng import camera_2d
 from ..scene.tables import Visibility
 from .paths import power_heuristic
 from .records import LIGHT, LIGHT_POINT
@@ -45,14 +45,15 @@ def sample_direct(
         ns = vector(vertex.ns)
         ng = vector(vertex.ng)
         wo = vector(vertex.wo)
-        entry, prob = select_light(lights, p, uniform(vertex.key, LIGHT))
+        u_light, u_face = camera_2d(i, vertex.pixel_key, LIGHT)
+        entry, prob = select_light(lights, p, u_light)
         if entry < 0 or prob <= 0.0:
             continue
         if entry < len(lights.lamps) and lights.lamps[entry].visibility & _DIFFUSE_BIT == 0:
             continue
         u, v = camera_2d(i, vertex.pixel_key, LIGHT_POINT)
         wi, distance, light, pdf_w, delta = sample_li(
-            lights, mesh, materials, entry, p, ns, uniform(vertex.key, LIGHT + 1), u, v
+            lights, mesh, materials, entry, p, ns, u_face, u, v
         )
         if not pdf_w > 0.0 or dot(wi, ng) <= 0.0:
             continue

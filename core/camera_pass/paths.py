@@ -155,6 +155,14 @@ def _stop(vertex: Row, path: Row, row: int, offset: float, share: float) -> None
 
 
 @kernel
+def _choices(path: Row, gather: bool, i: int, base: int) -> tuple[float, float]:
+    """Numbers for stopping and for the event: stratified over passes on camera chains."""
+    if gather:
+        return uniform(path.key, base), uniform(path.key, base + 2)
+    return camera_2d(i, path.pixel_key, base)
+
+
+@kernel
 def _go_on(
     materials: Table,
     lobes: Table,
@@ -164,14 +172,14 @@ def _go_on(
     ns: Vector,
     entering: bool,
     wo: Vector,
-    base: int,
+    u_lobe: float,
+    u_event: float,
     share: float,
 ) -> Vector:
     """A specular event, chosen with probability 1 / ``share``: the new direction."""
     wi, weight, transmitted, eta = scatter_specular(
-        materials, lobes, path, row, ng, ns, entering, wo,
-        uniform(path.key, base + 1), uniform(path.key, base + 2),
-    )  # fmt: skip
+        materials, lobes, path, row, ng, ns, entering, wo, u_lobe, u_event
+    )
     factor = share
     path.event = _GLOSSY_BIT
     if transmitted:
@@ -209,6 +217,7 @@ def step_paths(
     lobes: Table,
     lights: Row,
     camera: Row,
+    i: int,
     gather: bool,
     transparent: bool,
     most_depth: int,
@@ -254,7 +263,8 @@ def step_paths(
             continue
         base = CHAIN + CHAIN_STEP * path.depth
         path.depth += 1
-        if uniform(path.key, base) * (rough + smooth) >= smooth:
+        u_stop, u_event = _choices(path, gather, i, base)
+        if u_stop * (rough + smooth) >= smooth:
             vertex = vertices[stopped]
             stopped += 1
             store(vertex.p, p)
@@ -268,7 +278,17 @@ def step_paths(
         if path.depth >= most_depth:
             continue
         wi = _go_on(
-            materials, lobes, path, row, ng, ns, entering, wo, base, (rough + smooth) / smooth
+            materials,
+            lobes,
+            path,
+            row,
+            ng,
+            ns,
+            entering,
+            wo,
+            uniform(path.key, base + 1),
+            u_event,
+            (rough + smooth) / smooth,
         )
         if not max(path.beta[0], path.beta[1], path.beta[2]) > min_throughput:
             continue
