@@ -128,6 +128,11 @@ def _prepared(frame: int | None, size: tuple[int, int] | None) -> bpy.types.Scen
     if size is not None:
         scene.render.resolution_x, scene.render.resolution_y = size
         scene.render.resolution_percentage = 100
+    if scene.camera is None:
+        # Blender's own words leave it at "Cannot render, no camera".
+        raise HeadlessError(
+            f"scene '{scene.name}' has no camera: add one and make it the scene's camera"
+        )
     return scene
 
 
