@@ -30,6 +30,51 @@ def largest_radius(cell: float) -> float:
 
 
 @kernel
+def cell_range(
+    cell: float, p: Vector, radius: float
+) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+    """First and last cell that a ball about ``p`` touches."""
+    return (
+        int(math.floor((p[0] - radius) / cell)),
+        int(math.floor((p[1] - radius) / cell)),
+        int(math.floor((p[2] - radius) / cell)),
+    ), (
+        int(math.floor((p[0] + radius) / cell)),
+        int(math.floor((p[1] + radius) / cell)),
+        int(math.floor((p[2] + radius) / cell)),
+    )
+
+
+@kernel
+def bucket_slice(
+    photon_map: Row, x: int, y: int, z: int, p: Vector, ng: Vector, radius: float
+) -> tuple[int, int, int]:
+    """Photons that may lie in a cell: (first, last + 1, key); those of other keys are not."""
+    if not _may_hold(x, y, z, photon_map.cell, p, ng, radius, MOST_HEIGHT * radius):
+        return 0, 0, 0
+    key = cell_key(x, y, z)
+    bucket = bucket_of(key, len(photon_map.start) - 1)
+    return photon_map.start[bucket], photon_map.start[bucket + 1], key
+
+
+@kernel
+def photon_weight(photon: Row, p: Vector, ng: Vector, radius: float) -> float:
+    """1 - d^2 / r^2 on the tangent plane; 0 outside or on another surface."""
+    dx = photon.position[0] - p[0]
+    dy = photon.position[1] - p[1]
+    dz = photon.position[2] - p[2]
+    height = dx * ng[0] + dy * ng[1] + dz * ng[2]
+    d2 = dx * dx + dy * dy + dz * dz - height * height
+    r2 = radius * radius
+    if d2 >= r2 or abs(height) > MOST_HEIGHT * radius:
+        return 0.0
+    normal = photon.normal
+    if normal[0] * ng[0] + normal[1] * ng[1] + normal[2] * ng[2] < LEAST_COSINE:
+        return 0.0
+    return 1.0 - d2 / r2
+
+
+@kernel
 def _may_hold(
     x: int, y: int, z: int, cell: float, p: Vector, ng: Vector, radius: float, high: float
 ) -> bool:
@@ -61,54 +106,53 @@ def gather_radiance(
     lobes: Table,
 ) -> tuple[Vector, int]:
     """Radiance reflected to ``wo`` at ``p`` by the photons within ``radius``: (Lo, count)."""
-    radius = min(radius, largest_radius(photon_map.cell))
-    flat = is_lambertian(material, lobes)
+    if is_lambertian(material, lobes):
+        e, found = gather_irradiance(photon_map, p, ng, radius)
+        a = albedo_nonspecular(material, lobes)
+        return (e[0] * INV_PI * a[0], e[1] * INV_PI * a[1], e[2] * INV_PI * a[2]), found
     r = g = b = 0.0
     found = 0
-    cell = photon_map.cell
-    buckets = len(photon_map.start) - 1
-    r2 = radius * radius
-    high = MOST_HEIGHT * radius
-    x0 = int(math.floor((p[0] - radius) / cell))
-    x1 = int(math.floor((p[0] + radius) / cell))
-    y0 = int(math.floor((p[1] - radius) / cell))
-    y1 = int(math.floor((p[1] + radius) / cell))
-    z0 = int(math.floor((p[2] - radius) / cell))
-    z1 = int(math.floor((p[2] + radius) / cell))
-    for z in range(z0, z1 + 1):
-        for y in range(y0, y1 + 1):
-            for x in range(x0, x1 + 1):
-                if not _may_hold(x, y, z, cell, p, ng, radius, high):
-                    continue
-                key = cell_key(x, y, z)
-                bucket = bucket_of(key, buckets)
-                for k in range(photon_map.start[bucket], photon_map.start[bucket + 1]):
+    radius = min(radius, largest_radius(photon_map.cell))
+    low, high = cell_range(photon_map.cell, p, radius)
+    for z in range(low[2], high[2] + 1):
+        for y in range(low[1], high[1] + 1):
+            for x in range(low[0], high[0] + 1):
+                first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
+                for k in range(first, last):
                     photon = photon_map.photons[k]
-                    dx = photon.position[0] - p[0]
-                    dy = photon.position[1] - p[1]
-                    dz = photon.position[2] - p[2]
-                    height = dx * ng[0] + dy * ng[1] + dz * ng[2]
-                    d2 = dx * dx + dy * dy + dz * dz - height * height
-                    if d2 >= r2 or abs(height) > high or photon_map.keys[k] != key:
-                        continue
-                    normal = photon.normal
-                    if normal[0] * ng[0] + normal[1] * ng[1] + normal[2] * ng[2] < LEAST_COSINE:
+                    weight = photon_weight(photon, p, ng, radius)
+                    if weight <= 0.0 or photon_map.keys[k] != key:
                         continue
                     found += 1
-                    weight = 1.0 - d2 / r2
-                    flux = photon.flux
-                    if flat:
-                        r += weight * flux[0]
-                        g += weight * flux[1]
-                        b += weight * flux[2]
-                    else:
-                        f = eval_nonspecular(material, lobes, ns, wo, vector(photon.direction))
-                        r += weight * f[0] * flux[0]
-                        g += weight * f[1] * flux[1]
-                        b += weight * f[2] * flux[2]
-    scale = 2.0 / (math.pi * r2)
-    if flat:
-        a = albedo_nonspecular(material, lobes)
-        scale *= INV_PI
-        return (r * scale * a[0], g * scale * a[1], b * scale * a[2]), found
+                    f = eval_nonspecular(material, lobes, ns, wo, vector(photon.direction))
+                    r += weight * f[0] * photon.flux[0]
+                    g += weight * f[1] * photon.flux[1]
+                    b += weight * f[2] * photon.flux[2]
+    scale = 2.0 / (math.pi * radius * radius)
+    return (r * scale, g * scale, b * scale), found
+
+
+@kernel
+def gather_irradiance(
+    photon_map: Row, p: Vector, ng: Vector, radius: float
+) -> tuple[Vector, int]:
+    """Irradiance at ``p`` on the side of ``ng``: (E [W/m^2], photons counted)."""
+    r = g = b = 0.0
+    found = 0
+    radius = min(radius, largest_radius(photon_map.cell))
+    low, high = cell_range(photon_map.cell, p, radius)
+    for z in range(low[2], high[2] + 1):
+        for y in range(low[1], high[1] + 1):
+            for x in range(low[0], high[0] + 1):
+                first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
+                for k in range(first, last):
+                    photon = photon_map.photons[k]
+                    weight = photon_weight(photon, p, ng, radius)
+                    if weight <= 0.0 or photon_map.keys[k] != key:
+                        continue
+                    found += 1
+                    r += weight * photon.flux[0]
+                    g += weight * photon.flux[1]
+                    b += weight * photon.flux[2]
+    scale = 2.0 / (math.pi * radius * radius)
     return (r * scale, g * scale, b * scale), found
