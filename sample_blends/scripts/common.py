@@ -307,7 +307,7 @@ def save(path: Path, passes: int) -> None:
     bpy.utils.unregister_class(_Photonmap)
 
 
-def run(build: Callable[[], None], passes: int = 64) -> None:
+def run(build: Callable[[], None], passes: int = 32) -> None:
     """Command line of a sample script: build the scene and write it to the path given."""
     parser = argparse.ArgumentParser(description="Write a sample .blend (bpy 4.2).")
     parser.add_argument("out", type=Path, help="path of the .blend to write")

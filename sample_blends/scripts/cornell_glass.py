@@ -33,4 +33,4 @@ def build() -> None:
 
 
 if __name__ == "__main__":
-    common.run(build)
+    common.run(build, passes=64)
