@@ -23,7 +23,7 @@ from .update import Phase, Update
 _T = TypeVar("_T")
 
 #: Longest silence between two updates [s].
-SILENCE = 0.2
+SILENCE = 0.1
 
 
 def render(scene: Scene, settings: Settings) -> Iterator[Update]:
@@ -121,7 +121,11 @@ class _Render:
         total = self.region.width * self.region.height
         stride = max(1, total // 256)
         pixels = Pixels(0, total // stride, stride)
-        trace_chunk(prepared, self.settings, self.region, 0, pixels, maps)
+        chunk = trace_chunk(prepared, self.settings, self.region, 0, pixels, maps)
+        film = Film(pixels.count, 1)
+        for i in range(2):
+            film.add(i, 0, chunk.samples)
+        film.relative_error()
 
     def _passes(
         self, prepared: Prepared, radii: Radii, batches: list[Batch]
@@ -151,7 +155,7 @@ class _Render:
                 self._add(i, future.result())
                 if self._out_of_time():
                     return
-                if time.perf_counter() - last >= SILENCE / 2:
+                if time.perf_counter() - last >= SILENCE:
                     yield self._update("render", "")
                     last = time.perf_counter()
             self._count(current)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sampling.rng import REPLICATES
+from .accumulate import add_samples, relative_mean, variance_of_mean
 
 #: Layers whose sum is the picture.
 LIGHT_LAYERS = ("emission", "direct", "caustics", "indirect")
@@ -21,6 +23,9 @@ SAMPLE = np.dtype(
     + [("depth", "f8"), ("hit", "f8"), ("alpha", "f8")],
     align=True,
 )
+
+#: The same as plain numbers per row.
+COLUMNS = SAMPLE.itemsize // 8
 
 
 @dataclass
@@ -36,7 +41,7 @@ class RenderStatistics:
 class Film:
     """The picture so far, ``height`` rows from the bottom, ``width`` pixels each.
 
-    Memory: 21 float64 sums, 12 for the error and 5 counters: 304 bytes a pixel.
+    Memory: 21 float64 sums, 12 for the error and 5 counters: 284 bytes a pixel.
     """
 
     LAYERS: ClassVar[dict[str, int]] = {
@@ -55,10 +60,10 @@ class Film:
         self.height = height
         self.statistics = RenderStatistics()
         count = width * height
-        self._sum = np.zeros(count, SAMPLE)
-        self._count = np.zeros(count, np.int64)
+        self._sum = np.zeros((count, COLUMNS))
+        self._count = np.zeros(count, np.int32)
         self._part_sum = np.zeros((REPLICATES, count, 3))
-        self._part_count = np.zeros((REPLICATES, count), np.int64)
+        self._part_count = np.zeros((REPLICATES, count), np.int32)
 
     @property
     def passes(self) -> int:
@@ -71,23 +76,16 @@ class Film:
         A sample with a NaN or infinity is counted and replaced by black: one bad path may
         not spoil a pixel for good.
         """
-        finite = np.ones(len(samples), np.bool_)
-        for name in SAMPLE.names or ():
-            value = samples[name]
-            good = np.isfinite(value)
-            finite &= good if value.ndim == 1 else good.all(axis=1)
-        if not finite.all():
-            self.statistics.non_finite += int(len(finite) - finite.sum())
-            samples = np.where(finite, samples, np.zeros(1, SAMPLE))
         part = slice(start, start + len(samples))
-        combined = np.zeros((len(samples), 3))
-        for name in SAMPLE.names or ():
-            self._sum[name][part] += samples[name]
-            if name in LIGHT_LAYERS:
-                combined += samples[name]
-        self._count[part] += 1
-        self._part_sum[i % REPLICATES, part] += combined
-        self._part_count[i % REPLICATES, part] += 1
+        replicate = i % REPLICATES
+        self.statistics.non_finite += add_samples(
+            self._sum[part],
+            self._count[part],
+            self._part_sum[replicate, part],
+            self._part_count[replicate, part],
+            samples.view(np.float64).reshape(len(samples), COLUMNS),
+            3 * len(LIGHT_LAYERS),
+        )
 
     def merge(self, other: Film) -> None:
         """Add the passes of ``other``, a film of the same size and other pass numbers."""
@@ -96,8 +94,7 @@ class Film:
                 f"films of {self.width}x{self.height} and {other.width}x{other.height} "
                 "pixels cannot be merged"
             )
-        for name in SAMPLE.names or ():
-            self._sum[name] += other._sum[name]
+        self._sum += other._sum
         self._count += other._count
         self._part_sum += other._part_sum
         self._part_count += other._part_count
@@ -112,22 +109,29 @@ class Film:
         """
         if layer not in self.LAYERS:
             raise ValueError(f"no layer '{layer}'; there are {', '.join(self.LAYERS)}")
-        count = np.maximum(self._count, 1).astype(np.float64)
+        count = np.maximum(self._count, 1)[:, None]
+        hit = self._of("hit")
         if layer == "combined":
-            out = np.empty((len(count), 4), np.float64)
-            out[:, :3] = sum(self._sum[name] for name in LIGHT_LAYERS)
-            out[:, 3] = self._sum["alpha"]
-            out /= count[:, None]
+            out = np.empty((len(count), 4))
+            out[:, :3] = sum(self._of(name) for name in LIGHT_LAYERS)
+            out[:, 3:] = self._of("alpha")
+            out /= count
         elif layer == "depth":
-            hit = self._sum["hit"]
-            depth = self._sum["depth"] / np.maximum(hit, 1)
-            out = np.where(hit > 0, depth, NOTHING_DEPTH)[:, None]
+            out = np.where(hit > 0, self._of("depth") / np.maximum(hit, 1), NOTHING_DEPTH)
         elif layer == "normal":
-            out = self._sum[layer] / np.maximum(self._sum["hit"], 1)[:, None]
+            out = self._of(layer) / np.maximum(hit, 1)
         else:
-            out = self._sum[layer] / count[:, None]
+            out = self._of(layer) / count
         shape = (self.height, self.width, self.LAYERS[layer])
         return np.ascontiguousarray(out.reshape(shape), dtype=np.float32)
+
+    def _of(self, name: str) -> NDArray[np.float64]:
+        """The sums (n, channels) of one field of the samples."""
+        fields = SAMPLE.fields
+        assert fields is not None
+        kind, first = fields[name][:2]
+        start = first // 8
+        return self._sum[:, start : start + kind.itemsize // 8]
 
     def variance(self) -> NDArray[np.float64]:
         """Variance of the mean of the combined layer: (height, width, 3); inf below 2 passes.
@@ -135,16 +139,13 @@ class Film:
         Passes of one replicate are stratified against each other, so their scatter would
         say too much; the replicates are independent, so theirs is honest.
         """
-        count = self._part_count[:, :, None].astype(np.float64)
-        total = np.maximum(count.sum(axis=0), 1.0)
-        mean = self._part_sum.sum(axis=0) / total
-        part = np.divide(
-            self._part_sum, count, out=np.zeros_like(self._part_sum), where=count > 0
-        )
-        used = (count > 0).sum(axis=0)
-        scatter = (count * (part - mean) ** 2).sum(axis=0)
-        value = np.where(used > 1, scatter / (np.maximum(used - 1, 1) * total), np.inf)
-        return value.reshape(self.height, self.width, 3)
+        return self._variance_and_mean()[0].reshape(self.height, self.width, 3)
+
+    def _variance_and_mean(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        variance = np.zeros((len(self._count), 3))
+        mean = np.zeros_like(variance)
+        variance_of_mean(self._part_sum, self._part_count, variance, mean)
+        return variance, mean
 
     def relative_error(self) -> float:
         """Square root of the estimated relMSE; infinity before the second pass.
@@ -155,9 +156,4 @@ class Film:
         """
         if self.passes < 2:
             return float("inf")
-        variance = self.variance()
-        mean = self.resolve("combined")[..., :3].astype(np.float64)
-        floor = 0.01 * float(mean.mean()) ** 2
-        scale = mean**2 + floor
-        relative = np.divide(variance, scale, out=np.zeros_like(scale), where=scale > 0)
-        return float(np.sqrt(relative.mean()))
+        return math.sqrt(relative_mean(*self._variance_and_mean()))
