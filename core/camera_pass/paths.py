@@ -278,18 +278,9 @@ def step_paths(
         if path.depth >= most_depth:
             continue
         wi = _go_on(
-            materials,
-            lobes,
-            path,
-            row,
-            ng,
-            ns,
-            entering,
-            wo,
-            uniform(path.key, base + 1),
-            u_event,
-            (rough + smooth) / smooth,
-        )
+            materials, lobes, path, row, ng, ns, entering, wo,
+            uniform(path.key, base + 1), u_event, (rough + smooth) / smooth,
+        )  # fmt: skip
         if not max(path.beta[0], path.beta[1], path.beta[2]) > min_throughput:
             continue
         store(path.direction, wi)
