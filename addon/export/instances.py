@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from ...core.scene.builder import SceneBuilder
 from ..report import ExportLog
 from .lights import add_light
-from .materials import MaterialTable
-from .mesh import MESH_TYPES, MeshArrays, read_mesh
+from .materials import NO_SURFACE, MaterialTable
+from .mesh import MeshArrays, read_mesh
+from .unsupported import warn_linking, warn_object, warn_open_glass
 
 #: Types with a surface or a volume that cannot be rendered yet.
 _UNSUPPORTED = ("CURVES", "POINTCLOUD", "VOLUME", "GPENCIL", "GREASEPENCIL")
@@ -31,7 +32,9 @@ def add_objects(
 ) -> None:
     """Add every visible mesh and lamp, each mesh converted once however often it appears.
 
-    The depsgraph leaves out what is hidden from renders or from the view layer. Raises
+    The depsgraph leaves out what is hidden from renders or from the view layer. It presents
+    the surfaces of curves, texts and metaballs as instances of type MESH beside the objects
+    themselves: taken from both, every face would lie on a twin. Raises
     ``ExportCancelledError`` when ``stopped()`` turns true.
     """
     meshes = _MeshCache()
@@ -44,7 +47,9 @@ def add_objects(
         matrix = np.array(instance.matrix_world, dtype=np.float64)
         if obj.type == "LIGHT":
             add_light(builder, obj, matrix, log)
-        elif obj.type in MESH_TYPES:
+            warn_linking(obj, log)
+        elif obj.type == "MESH":
+            warn_object(obj, depsgraph.view_layer, log)
             _add_mesh(builder, obj, matrix, materials, meshes, log)
         elif obj.type in _UNSUPPORTED:
             log.warn(
@@ -60,7 +65,6 @@ def _add_mesh(
     meshes: _MeshCache,
     log: ExportLog,
 ) -> None:
-    _warn_ignored(obj, log)
     arrays, mesh_materials = meshes.get(obj)
     if arrays is None or not len(arrays.faces):
         return
@@ -70,22 +74,23 @@ def _add_mesh(
     slots = [slot.material for slot in obj.material_slots] or mesh_materials
     vertices, faces, normals = arrays.placed(matrix)
     rows = materials.face_rows(obj.name, slots, arrays.slots)
+    seen = rows != NO_SURFACE
+    if not seen.all():
+        faces, rows = faces[seen], rows[seen]
+        normals = None if normals is None else normals[seen]
+    warn_open_glass(obj.name, arrays.vertices, faces, materials.refracts(rows), log)
     builder.add_mesh(obj.name, vertices, faces, rows, normals)
 
 
 class _MeshCache:
-    """Converted meshes by evaluated data, alive for one export.
-
-    Only meshes are shared: the surface of a curve also depends on its object's modifiers.
-    """
+    """Converted meshes by evaluated data, alive for one export."""
 
     def __init__(self) -> None:
-        self._meshes: dict[tuple[int, int], tuple[MeshArrays | None, list[Any]]] = {}
+        self._meshes: dict[int, tuple[MeshArrays | None, list[Any]]] = {}
 
     def get(self, obj: Any) -> tuple[MeshArrays | None, list[Any]]:
         """Arrays of ``obj`` (None without a surface) and its data's materials."""
-        owner = 0 if obj.type == "MESH" else obj.original.session_uid
-        key = (obj.data.as_pointer(), owner)
+        key = obj.data.as_pointer()
         if key not in self._meshes:
             self._meshes[key] = self._convert(obj)
         return self._meshes[key]
@@ -99,15 +104,3 @@ class _MeshCache:
             return read_mesh(mesh), list(mesh.materials)
         finally:
             obj.to_mesh_clear()
-
-
-def _warn_ignored(obj: Any, log: ExportLog) -> None:
-    """Say which switches of the object have no effect."""
-    name = f"object '{obj.name}'"
-    flags = ("visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission")
-    if not all(getattr(obj, flag) for flag in (*flags, "visible_shadow")):
-        log.warn_group("ray visibility is ignored for objects with faces", name)
-    if obj.is_holdout or obj.is_shadow_catcher:
-        log.warn_group("holdouts and shadow catchers are rendered as usual", name)
-    if any(system.settings.render_type == "PATH" for system in obj.particle_systems):
-        log.warn_group("hair is left out", name)

@@ -47,6 +47,9 @@ def add_light(
     if not (np.isfinite(scale).all() and (scale > 0).all()):
         log.warn(f"light '{name}' is left out, because its scale is 0")
         return
+    if is_portal(light):
+        log.warn_group("portals are left out, they emit nothing", f"light '{name}'")
+        return
     seen = light_visibility(obj)
     normalize = getattr(light, "normalize", True)
     if light.type in ("POINT", "SPOT"):
@@ -55,6 +58,8 @@ def add_light(
         if light.type == "POINT":
             builder.add_point_light(name, matrix[:3, 3], intensity, radius, seen)
         else:
+            if np.ptp(scale) > 1e-3 * scale.max():
+                log.warn(f"light '{name}': uneven scale of a spot is not supported yet")
             half, blend = float(light.spot_size) / 2.0, float(light.spot_blend)
             builder.add_spot_light(name, matrix, intensity, half, blend, radius, seen)
     elif light.type == "SUN":
@@ -112,6 +117,13 @@ def node_factor(light: Any, owner: str, log: ExportLog) -> NDArray[np.float64]:
         return np.ones(3)
     reader = NodeReader(owner, log)
     return reader.color(node, "Color") * reader.number(node, "Strength", 1.0)
+
+
+def is_portal(light: Any) -> bool:
+    """Whether the area lamp only shows Cycles where the sky is (when Cycles is enabled)."""
+    return light.type == "AREA" and bool(
+        getattr(getattr(light, "cycles", None), "is_portal", False)
+    )
 
 
 def light_visibility(obj: Any) -> Visibility:

@@ -8,9 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: Types whose surface ``to_mesh`` gives.
-MESH_TYPES = ("MESH", "CURVE", "SURFACE", "FONT", "META")
-
 
 @dataclass(frozen=True, eq=False)
 class MeshArrays:

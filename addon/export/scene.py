@@ -11,6 +11,7 @@ from ..report import ExportError, ExportLog
 from .camera import export_camera
 from .instances import ExportCancelledError, add_objects
 from .materials import MaterialTable
+from .unsupported import warn_clipping, warn_missing, warn_scene
 from .world import world_radiance
 
 __all__ = ["ExportCancelledError", "export_scene", "image_size"]
@@ -31,14 +32,24 @@ def export_scene(
     camera = camera or scene.camera
     if camera is None:
         raise ExportError(f"scene '{scene.name}' has no camera; add one to render it")
+    if engine is not None and scene.render.use_multiview:
+        raise ExportError(
+            f"scene '{scene.name}' is stereoscopic, only one eye can be rendered yet; turn "
+            "Stereoscopy off in the output properties"
+        )
     builder = SceneBuilder(scene.name)
-    builder.set_camera(export_camera(camera, scene, image_size(scene), engine))
+    view = export_camera(camera, scene, image_size(scene), engine)
+    builder.set_camera(view)
+    warn_scene(scene, layer, log)
+    warn_missing(log)
     builder.set_world(world_radiance(layer.world_override or scene.world, log))
     materials = MaterialTable(builder, log, layer.material_override)
     add_objects(builder, depsgraph, materials, log, stopped)
     if builder.dropped_faces:
         log.warn(f"{builder.dropped_faces} faces without an area are left out")
-    return builder.build()
+    built = builder.build()
+    warn_clipping(camera, view, built.vertices, built.faces, log)
+    return built
 
 
 def image_size(scene: Any) -> tuple[int, int]:

@@ -129,6 +129,8 @@ def test_curve_surface_text_and_metaball(bpy: Any) -> None:
         assert len(got.vertices_of(name)) > 0, name
     assert got.vertices_of("Meta").mean() == pytest.approx(10.0 / 3, abs=0.2)
     assert area(got.vertices_of("Curve")) > 0.4
+    # Each surface once: twins would make glass of zero thickness.
+    assert sorted(got.scene.object_names) == sorted(["Curve", "Text", "Meta", surface])
 
 
 def test_material_of_each_face(bpy: Any) -> None:

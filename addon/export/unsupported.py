@@ -1,0 +1,143 @@
+"""What a scene asks for and does not get: each is said once, with names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.scene.camera_data import CameraData
+from ..report import ExportLog
+
+#: Blender's clip start of a new camera [m]: only a larger one was chosen to cut something.
+_STOCK_CLIP_START = 0.1
+
+_RAYS = (
+    "visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission",
+    "visible_shadow",
+)  # fmt: skip
+
+
+def warn_object(obj: Any, layer: Any, log: ExportLog) -> None:
+    """Say which switches of the object ``obj`` with faces have no effect.
+
+    ``layer``: the original view layer, whose collections have switches too.
+    """
+    name = f"object '{obj.name}'"
+    own = obj.original
+    if not all(getattr(obj, flag) for flag in _RAYS) or own.indirect_only_get(view_layer=layer):
+        log.warn_group("ray visibility is ignored for objects with faces", name)
+    if obj.is_holdout or obj.is_shadow_catcher or own.holdout_get(view_layer=layer):
+        log.warn_group("holdouts and shadow catchers are rendered as usual", name)
+    if any(system.settings.render_type == "PATH" for system in obj.particle_systems):
+        log.warn_group("hair is left out", name)
+    warn_linking(obj, log)
+
+
+def warn_linking(obj: Any, log: ExportLog) -> None:
+    """Say that ``obj``, a lamp or a surface, lights more than it was told to."""
+    linking = obj.original.light_linking
+    if linking.receiver_collection is not None or linking.blocker_collection is not None:
+        log.warn_group("light linking is ignored", f"object '{obj.name}'")
+
+
+def warn_open_glass(
+    name: str,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int32],
+    refracts: NDArray[np.bool_],
+    log: ExportLog,
+) -> None:
+    """Warn when a surface that refracts (faces ``refracts`` (F,)) has an open edge.
+
+    There is no telling inside from outside then: behind a single sheet of glass, all counts
+    as in glass, and other things of the same glass vanish.
+    """
+    if not refracts.any():
+        return
+    _, welded = np.unique(vertices, axis=0, return_inverse=True)
+    corners = welded.reshape(-1)[faces]
+    edges = np.sort(
+        np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    )
+    _, edge, uses = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    open_edge = (uses[edge.reshape(-1)] % 2 == 1).reshape(3, -1).any(axis=0)
+    if (open_edge & refracts).any():
+        log.warn_group(
+            "glass that is no closed body, all behind it counts as inside of it",
+            f"object '{name}'",
+        )
+
+
+def warn_missing(log: ExportLog) -> None:
+    """Say what the file links to and Blender did not find: it is absent from the picture."""
+    for library in bpy.data.libraries:
+        if library.is_missing:
+            log.warn(f"library '{library.filepath}' is missing, what it holds is left out")
+    data = bpy.data
+    for kind in (data.objects, data.collections, data.meshes, data.materials, data.lights):
+        for entry in kind:
+            if entry.is_missing:
+                log.warn_group("linked data is missing", f"'{entry.name}'")
+
+
+def warn_scene(scene: Any, layer: Any, log: ExportLog) -> None:
+    """Say which switches of the scene and its view layer have no effect."""
+    if scene.render.use_motion_blur:
+        log.warn(f"scene '{scene.name}': motion blur is not supported yet and ignored")
+    off = [
+        text
+        for flag, text in (("use_sky", "Environment"), ("use_solid", "Surfaces"))
+        if not getattr(layer, flag)
+    ]
+    if off:
+        log.warn(
+            f"view layer '{layer.name}': the filter that leaves out {' and '.join(off)} is "
+            "not supported yet and ignored"
+        )
+    visibility = getattr(scene.world, "cycles_visibility", None)
+    if visibility is not None and not all(
+        getattr(visibility, ray) for ray in ("camera", "diffuse", "glossy", "transmission")
+    ):
+        log.warn(f"world '{scene.world.name}': ray visibility is ignored")
+
+
+def warn_clipping(
+    camera: Any,
+    view: CameraData,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int32],
+    log: ExportLog,
+) -> None:
+    """Warn when faces lie in view but nearer or farther than ``camera`` is set to show."""
+    axes = view.matrix[:3, :3] / np.linalg.norm(view.matrix[:3, :3], axis=0)
+    local = (vertices - view.matrix[:3, 3]) @ axes
+    depth = -local[:, 2]
+    # Wide enough for any fit of the sensor: a warning too many does less harm than none.
+    reach = max(view.sensor_width, view.sensor_height) / view.lens
+    reach *= 0.5 + max(abs(view.shift_x), abs(view.shift_y))
+    inside = [
+        depth > 0,
+        *(sign * local[:, axis] <= reach * depth for axis in (0, 1) for sign in (1, -1)),
+    ]
+    near, far = float(camera.data.clip_start), float(camera.data.clip_end)
+    if near > _STOCK_CLIP_START * 1.001 and _meets(faces, [*inside, depth < near]):
+        log.warn(
+            f"camera '{camera.name}': clip start {near:.4g} m is not supported yet and "
+            "ignored, nearer surfaces are seen"
+        )
+    if _meets(faces, [*inside, depth > far]):
+        log.warn(
+            f"camera '{camera.name}': clip end {far:.4g} m is not supported yet and ignored, "
+            "farther surfaces are seen"
+        )
+
+
+def _meets(faces: NDArray[np.int32], half_spaces: list[NDArray[np.bool_]]) -> bool:
+    """Whether some face lies wholly outside of none of ``half_spaces`` (each (V,))."""
+    some = np.ones(len(faces), np.bool_)
+    for holds in half_spaces:
+        some &= holds[faces].any(axis=1)
+    return bool(some.any())
