@@ -40,6 +40,9 @@ if TYPE_CHECKING:
 #: Passes when only other limits were asked for: the largest count that Settings takes.
 ENDLESS = 10_000_000
 
+#: Blender's last frame; beyond it takes this one without a word.
+LAST_FRAME = 1_048_574
+
 app = typer.Typer(
     help=f"{ENGINE}: a photon-mapping renderer for Blender's files.",
     no_args_is_help=True,
@@ -131,8 +134,11 @@ def render(
         others = [path for path in (report, save_scene_to) if path is not None]
         if save_scene_to is not None and save_scene_to.suffix.lower() != ".npz":
             raise CommandError(f"'{save_scene_to}': a scene is saved to an .npz file")
-        for path in (*pictures.values(), *others):
+        outputs = [*pictures.values(), *others]
+        for path in outputs:
             _check_writable(path, source.path)
+        if len({os.path.realpath(path) for path in outputs}) < len(outputs):
+            raise CommandError("two outputs go to the same file")
         stopped = _render_to(source, pictures, report, save_scene_to)
     if stopped:
         typer.echo("stopped by Ctrl-C; what had been rendered was written", err=True)
@@ -216,6 +222,8 @@ def _source(
         raise CommandError(f"'{file}' is neither a .blend nor an .npz")
     if frame is not None and file.suffix.lower() == ".npz":
         raise typer.BadParameter("an .npz holds one frame only", param_hint="--frame")
+    if frame is not None and abs(frame) > LAST_FRAME:
+        raise typer.BadParameter(f"{frame} is beyond {LAST_FRAME}", param_hint="--frame")
     pair = (int(pixels[1]), int(pixels[2])) if pixels else None
     return Source(file, frame, pair, given)
 

@@ -123,6 +123,8 @@ def _given(overrides: Mapping[str, Any] | None) -> dict[str, Any]:
 def _prepared(frame: int | None, size: tuple[int, int] | None) -> bpy.types.Scene:
     scene = bpy.context.scene
     scene.render.engine = "PHOTONMAP"
+    # Blender would render the video strips in place of the scene, without asking the engine.
+    scene.render.use_sequencer = False
     if frame is not None:
         scene.frame_set(frame)
     if size is not None:

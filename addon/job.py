@@ -45,6 +45,10 @@ class Job:
         if self.layer is None:
             self.layer, self.scene, self.settings = layer, scene, settings
             self.warnings = warnings
+        else:
+            self.warnings += (
+                f"view layer '{layer}' is rendered, but only '{self.layer}' is kept apart",
+            )
 
     def updated(self, layer: str, update: Update) -> bool:
         """Pass an update on to the caller; whether they want the render to end."""

@@ -289,3 +289,18 @@ def test_help_does_not_load_the_kernels():
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60
     )
     assert done.stdout.strip() == "False", done.stderr
+
+
+def test_two_outputs_to_one_file_are_refused(scene_file: Path, out: Path) -> None:
+    result = render(scene_file, "-o", out / "a.png", "--report", out / "." / "a.png")
+    assert result.exit_code == 1
+    assert "two outputs go to the same file" in result.output
+    assert not list(out.iterdir())
+
+
+def test_a_frame_that_blender_does_not_have(tmp_path: Path) -> None:
+    blend = tmp_path / "a.blend"
+    blend.touch()
+    result = render(blend, "-o", tmp_path / "a.png", "--frame", 1_048_575)
+    assert result.exit_code == 2
+    assert "1048575 is beyond 1048574" in result.output

@@ -185,6 +185,23 @@ def test_no_enabled_view_layer(bpy: Any, blend: Path, tmp_path: Path) -> None:
     assert not (tmp_path / "out.png").exists()
 
 
+def test_video_strips_do_not_take_the_place_of_the_scene(
+    bpy: Any, blend: Path, tmp_path: Path
+) -> None:
+    from photon_map.addon import headless
+
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    editor = bpy.context.scene.sequence_editor_create()
+    strips = editor.strips if hasattr(editor, "strips") else editor.sequences
+    span = {"length": 9} if bpy.app.version >= (5, 0, 0) else {"frame_end": 9}
+    strips.new_effect(name="Grey", type="COLOR", channel=1, frame_start=1, **span)
+    bpy.ops.wm.save_mainfile()
+    out = tmp_path / "out.png"
+    rendered = headless.render_file(blend, size=(8, 8), overrides={"passes": 1}, png_path=out)
+    assert rendered.update.passes == 1
+    assert out.is_file()
+
+
 def test_the_film_is_that_of_the_png(bpy: Any, blend: Path, tmp_path: Path) -> None:
     """With two view layers: the first one rendered, in both."""
     from photon_map.addon import headless
@@ -206,3 +223,4 @@ def test_the_film_is_that_of_the_png(bpy: Any, blend: Path, tmp_path: Path) -> N
     pixels = np.array(bpy.data.images.load(str(out)).pixels[:]).reshape(8, 8, 4)[..., 0]
     assert film.max() > 0.5
     assert pixels == pytest.approx(np.clip(film, 0, 1), abs=0.01)
+    assert any("view layer 'Empty'" in text for text in rendered.warnings)
