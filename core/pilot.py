@@ -14,7 +14,7 @@ from .prepared import Prepared
 from .settings import Settings
 
 #: Pass number of the pilot's random streams; no real pass reaches it.
-PILOT_PASS = 1 << 40
+PILOT_PASS = 2_000_000_000
 #: Pixels that the pilot looks at, at most.
 PIXELS = 4096
 #: Photons in the first disc of the final gather's map.

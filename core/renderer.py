@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
 from dataclasses import replace
+from itertools import islice
 from typing import Any, TypeVar
 
 from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
@@ -56,6 +57,8 @@ class _Render:
         self.stop = threading.Event()
         self.begin = time.perf_counter()
         self.render_begin = self.begin
+        # Chunks queued at a time: enough for every thread, few enough for the memory.
+        self.in_flight = 2 * settings.thread_count + 2
         self.compiling = True
         self.error = float("inf")
         self.error_passes = 0
@@ -145,20 +148,22 @@ class _Render:
                 yield self._update("render", "")
                 last = time.perf_counter()
             current = maps.popleft().result()
-            chunks = self._launch_chunks(prepared, current, i)
+            self._count(current)
+            waiting = self._chunks(prepared, current, i)
+            chunks = deque(islice(waiting, self.in_flight))
             if i + 2 < self.settings.passes:
                 maps.append(self._launch_photons(prepared, radii, batches, i + 2))
-            for future in chunks:
-                while not wait([future], timeout=SILENCE).done:
+            while chunks:
+                while not wait([chunks[0]], timeout=SILENCE).done:
                     yield self._update("render", "")
                     last = time.perf_counter()
-                self._add(i, future.result())
+                self._add(i, chunks.popleft().result())
+                chunks.extend(islice(waiting, 1))
                 if self._out_of_time():
                     return
                 if time.perf_counter() - last >= SILENCE:
                     yield self._update("render", "")
                     last = time.perf_counter()
-            self._count(current)
             if 0 < self.settings.error_goal and (
                 self._update("render", "").relative_error <= self.settings.error_goal
             ):
@@ -197,19 +202,15 @@ class _Render:
 
         return self._submit(sort)
 
-    def _launch_chunks(
-        self, prepared: Prepared, maps: PhotonMaps, i: int
-    ) -> list[Future[Chunk]]:
-        """Queue the camera chunks of pass ``i``."""
+    def _chunks(self, prepared: Prepared, maps: PhotonMaps, i: int) -> Iterator[Future[Chunk]]:
+        """The camera chunks of pass ``i``, each queued when it is asked for."""
         total = self.region.width * self.region.height
         size = self.settings.chunk_size
-        return [
-            self._submit(
-                trace_chunk, prepared, self.settings, self.region, i,
-                Pixels(start, min(size, total - start)), maps,
+        for start in range(0, total, size):
+            pixels = Pixels(start, min(size, total - start))
+            yield self._submit(
+                trace_chunk, prepared, self.settings, self.region, i, pixels, maps
             )
-            for start in range(0, total, size)
-        ]  # fmt: skip
 
     def _submit(self, work: Callable[..., _T], *arguments: Any) -> Future[_T]:
         """Queue ``work`` unless the render has been cancelled by the time it starts."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..bsdf.dispatch import eval_nonspecular, pdf_nonspecular
-from ..geometry.interaction import leave
+from ..geometry.interaction import OFFSET, leave
 from ..geometry.vector import along, dot, scale, store, subtract, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR, sample_li
@@ -70,10 +70,13 @@ def sample_direct(
         length = FAR
         if distance < FAR:
             # From the pushed origin to a place just before the light's surface.
-            d = subtract(along(p, wi, distance), o)
-            length = 1.0 - 2.0 * vertex.offset / distance
-            if length <= 0.0:
-                length = 0.0
+            q = along(p, wi, distance)
+            d = subtract(q, o)
+            # Embree's error grows with the ray's length and with the coordinates at both
+            # ends; lamps are often snapped into the plane of a ceiling.
+            reach = max(abs(q[0]), abs(q[1]), abs(q[2]))
+            gap = 2.0 * max(vertex.offset, OFFSET * reach, 2.0 * OFFSET * distance)
+            length = max(0.0, 1.0 - gap / distance)
         store(origins[out], o)
         store(directions[out], d)
         lengths[out] = length

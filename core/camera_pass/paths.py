@@ -7,7 +7,7 @@ from typing import Any
 from ..bsdf.dispatch import albedo_nonspecular, lobe_weights
 from ..bsdf.specular import scatter_specular
 from ..camera.lens import camera_ray
-from ..geometry.interaction import interact, leave
+from ..geometry.interaction import OFFSET, interact, leave
 from ..geometry.media import copy_media, cross_surface
 from ..geometry.vector import Vector, dot, read, scale, store, subtract, vector
 from ..jit import Row, Table, kernel
@@ -113,7 +113,8 @@ def _see_lamps(path: Row, sample: Row, lights: Row, o: Vector, d: Vector, reach:
         if (lamp.visibility & path.event) == 0:
             continue
         t, radiance, pdf_w = see_lamp(lamp, o, d)
-        if 0.0 < t and t <= reach:
+        # A lamp may lie in the plane of the face that the ray hits.
+        if 0.0 < t and t <= reach * (1.0 + 4.0 * OFFSET):
             _see_light(path, sample, lights, entry, radiance, pdf_w)
 
 

@@ -17,6 +17,13 @@ from .mesh import Mesh
 #: Deepest nesting that is told apart; a deeper medium is passed as if it were not there.
 STACK = 8
 
+#: Unit directions in which the surroundings of a point are explored: upwards, because open
+#: water has no other surface.
+_WAYS = tuple(
+    np.array(way) / np.linalg.norm(way)
+    for way in ((0.11, 0.07, 1.0), (0.9, 0.3, 1.0), (-0.5, -0.8, 1.0))
+)
+
 
 @kernel
 def ior_around(materials: Table, path: Row, material: int, entering: bool) -> float:
@@ -66,10 +73,23 @@ def enclosing_media(
 ) -> list[int]:
     """Dielectrics around ``point`` (3,), outermost first: what a path from there is in.
 
-    Walks along one ray to the outside: a medium that is left more often than it was
-    entered on the way lies around the point. Only closed meshes count that way.
+    Walks along rays to the outside: a medium that is left more often than it was entered
+    on the way lies around the point. All rays have to agree on a medium, or a pane
+    somewhere above would count as a body of glass.
     """
-    direction = np.array([0.2672612, 0.5345225, 0.8017837])
+    found = [_left_on_the_way(intersector, mesh, materials, point, d) for d in _WAYS]
+    agreed = [row for row in found[0] if all(row in other for other in found)]
+    return agreed[-STACK:]
+
+
+def _left_on_the_way(
+    intersector: Intersector,
+    mesh: Mesh,
+    materials: NDArray[np.void],
+    point: NDArray[np.float64],
+    direction: NDArray[np.float64],
+) -> list[int]:
+    """Media that a ray leaves without having entered them, last one first."""
     position = np.array(point, dtype=np.float64)
     balance: dict[int, int] = {}
     left: list[int] = []
@@ -95,4 +115,4 @@ def enclosing_media(
                 balance[row] = balance.get(row, 0) + 1
         step = 2e-6 * max(np.abs(mesh.vertices[mesh.faces[face]]).max(), np.abs(hit).max())
         position = hit + direction * max(step, 1e-12)
-    return left[::-1][-STACK:]
+    return left[::-1]

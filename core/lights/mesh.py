@@ -69,5 +69,7 @@ def face_normal(mesh: Row, face: int) -> Vector:
 @kernel
 def pdf_area(materials: Table, emitters: Row, material: int) -> float:
     """``pdf_a`` of a point on a face of ``material``."""
+    if emitters.power <= 0.0:
+        return 0.0
     e = materials[material].emission
     return (e[0] + e[1] + e[2]) / 3.0 / emitters.power

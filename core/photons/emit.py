@@ -109,7 +109,10 @@ def emit_photons(
             else:
                 w, pdf = sample_natural(lights, mesh, entry, face, uniform(key, _SIDE), u, v)
             origin, n, power = emitted(lights, mesh, materials, entry, face, anchor, w, s, t)
-            if face >= 0:
+            if face < 0:
+                n = normal
+            if dot(n, n) > 0.0:
+                # Off the face it starts on, and off the ceiling a lamp is snapped to.
                 reach = max(abs(origin[0]), abs(origin[1]), abs(origin[2]))
                 side = OFFSET * (lights.radius if reach < lights.radius else reach)
                 origin = along(origin, n, side if dot(n, w) > 0.0 else -side)

@@ -93,6 +93,8 @@ def check_scene(scene: Scene) -> None:
             f"scene '{scene.name}': a vertex is NaN or infinite; build scenes with "
             "SceneBuilder, which drops such faces and counts them"
         )
+    if not np.isfinite(scene.world).all() or (scene.world < 0).any():
+        raise SceneError(f"scene '{scene.name}': the world's radiance must be at least 0")
     _check_materials(scene)
     _check_lights(scene)
     _check_camera(scene)
@@ -127,6 +129,13 @@ def _check_lights(scene: Scene) -> None:
                 raise SceneError(f"light '{name}': {field_name} must be finite")
         if (row["emission"] < 0).any():
             raise SceneError(f"light '{name}': power must not be negative")
+        if row["radius"] < 0:
+            raise SceneError(f"light '{name}': its radius must be at least 0")
+        if not 0 <= row["angle"] <= np.pi:
+            raise SceneError(f"light '{name}': its angle must lie between 0 and 180 degrees")
+        if row["kind"] in (LightKind.RECTANGLE, LightKind.DISK):
+            if not (row["size_x"] > 0 and row["size_y"] > 0):
+                raise SceneError(f"light '{name}': an area light needs a size above 0")
 
 
 def _check_camera(scene: Scene) -> None:
@@ -135,10 +144,19 @@ def _check_camera(scene: Scene) -> None:
         return
     if camera.width < 1 or camera.height < 1:
         raise SceneError(f"camera: size {camera.width}x{camera.height} has no pixel")
-    positive = ("lens", "sensor_width", "sensor_height", "focus_distance", "blade_ratio")
+    positive = (
+        "lens", "sensor_width", "sensor_height", "focus_distance", "blade_ratio",
+        "pixel_aspect_x", "pixel_aspect_y",
+    )  # fmt: skip
     for name in positive:
         value = getattr(camera, name)
         if not (np.isfinite(value) and value > 0):
             raise SceneError(f"camera: {name} is {value}, it must be above 0")
+    others = ("shift_x", "shift_y", "lens_radius", "blade_rotation")
+    for name in others:
+        if not np.isfinite(getattr(camera, name)):
+            raise SceneError(f"camera: {name} is {getattr(camera, name)}")
+    if camera.lens_radius < 0:
+        raise SceneError(f"camera: lens_radius is {camera.lens_radius}, it must be at least 0")
     if not np.isfinite(camera.matrix).all() or abs(np.linalg.det(camera.matrix[:3, :3])) == 0:
         raise SceneError("camera: its matrix is not invertible; check its scale")

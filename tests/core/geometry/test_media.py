@@ -67,3 +67,20 @@ def test_nesting_deeper_than_the_stack_is_ignored():
     for _ in range(STACK + 3):
         cross_surface(path, WATER, True)
     assert path["media_count"] == STACK
+
+
+def test_a_pane_above_is_no_medium_but_open_water_is():
+    b = SceneBuilder("sheets")
+    glass = b.add_material("glass", [dielectric(1.5)])
+    water = b.add_material("water", [dielectric(1.33)])
+    b.add_mesh("pane", *scenes.plane(0.5, z=1.0), glass)
+    pane = prepare(_seen_from(b, (0, 0, 0)), Settings())
+    assert pane.camera_media[0] == 0
+    b.add_mesh("sea", *scenes.plane(1e3, z=2.0), water)
+    sea = prepare(_seen_from(b, (0, 0, 0)), Settings())
+    assert sea.camera_media[:2].tolist() == [1, water]
+
+
+def _seen_from(b, place):
+    b.set_camera(scenes.camera(place, (1, 0, 0), 2, 2))
+    return b.build()

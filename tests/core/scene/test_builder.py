@@ -136,9 +136,21 @@ def _material(**row: float) -> SceneBuilder:
     return builder
 
 
-def _light(emission: float) -> SceneBuilder:
+def _light(emission: float, radius: float = 0.0) -> SceneBuilder:
     builder = SceneBuilder()
-    builder.add_point_light("lamp", (0, 0, 0), emission)
+    builder.add_point_light("lamp", (0, 0, 0), emission, radius)
+    return builder
+
+
+def _sun(angle: float) -> SceneBuilder:
+    builder = SceneBuilder()
+    builder.add_sun_light("sun", np.eye(4), 1.0, angle)
+    return builder
+
+
+def _world(radiance: float) -> SceneBuilder:
+    builder = SceneBuilder()
+    builder.set_world(radiance)
     return builder
 
 
@@ -156,7 +168,14 @@ def _camera(**values: object) -> SceneBuilder:
         (lambda: _material(weight=-1.0), "material 'm': lobe weights"),
         (lambda: _light(-1.0), "light 'lamp': power"),
         (lambda: _light(np.inf), "light 'lamp': emission"),
+        (lambda: _light(1.0, radius=-0.1), "light 'lamp': its radius"),
+        (lambda: _sun(4.0), "light 'sun': its angle"),
+        (lambda: _world(-1.0), "the world's radiance"),
+        (lambda: _world(np.inf), "the world's radiance"),
         (lambda: _camera(width=0), "camera: size 0x3"),
+        (lambda: _camera(pixel_aspect_x=0.0), "camera: pixel_aspect_x"),
+        (lambda: _camera(shift_y=np.nan), "camera: shift_y"),
+        (lambda: _camera(lens_radius=-1.0), "camera: lens_radius"),
         (lambda: _camera(lens=0.0), "camera: lens"),
         (lambda: _camera(focus_distance=np.nan), "camera: focus_distance"),
         (lambda: _camera(matrix=np.zeros((4, 4))), "camera: its matrix"),
