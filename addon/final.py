@@ -93,6 +93,8 @@ def _pull(
     engine: Any, updates: Generator[Update, None, None], view_layer: Any, settings: Settings
 ) -> Update | None:
     """Draw updates until the core is done or the user stops it; the last one."""
+    from ..core import completed
+
     job = CURRENT.get()
     last: Update | None = None
     first = True
@@ -103,10 +105,10 @@ def _pull(
             tell(engine, last.plan.warnings)
             first = False
         enough = job is not None and job.updated(view_layer.name, last)
-        fraction = progress(last, settings)
+        fraction = completed(last, settings)
         engine.update_progress(fraction)
         engine.update_stats("", stats_line(view_layer.name, last, fraction))
-        used = film_megabytes(last.film)
+        used = last.film.nbytes / 2**20
         engine.update_memory_stats(memory_used=used, memory_peak=used)
         now = time.monotonic()
         if watched() and last.passes > shown and now - redrawn > REDRAW_INTERVAL:
@@ -139,17 +141,6 @@ def write_nothing(engine: Any, view_layer: Any) -> None:
     engine.end_result(engine.begin_result(0, 0, 1, 1, layer=view_layer.name))
 
 
-def progress(update: Update, settings: Settings) -> float:
-    """How much of the nearest limit is used up, from 0 to 1."""
-    parts = [update.passes / settings.passes]
-    if settings.seconds:
-        parts.append(update.seconds / settings.seconds)
-    if settings.error_goal and 0 < update.relative_error < float("inf"):
-        # The error falls with the root of the passes, so the work left goes with its square.
-        parts.append((settings.error_goal / update.relative_error) ** 2)
-    return float(min(1.0, max(parts)))
-
-
 def stats_line(layer: str, update: Update, fraction: float) -> str:
     """The line of statistics: Blender shows it above the image and in the console."""
     parts = [layer, f"{100 * fraction:.0f} %", f"Pass {update.passes}"]
@@ -158,9 +149,3 @@ def stats_line(layer: str, update: Update, fraction: float) -> str:
     if update.phase != "render" and update.message:
         parts.append(update.message)
     return " | ".join(parts)
-
-
-def film_megabytes(film: Film) -> float:
-    """Memory of the film's sums [MB]: mean and variance in float64 for every channel."""
-    channels = sum(film.LAYERS.values())
-    return 16.0 * film.width * film.height * channels / 2**20

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .film.film import Film
     from .plan import Plan
     from .renderer import render
+    from .report import completed
     from .scene.builder import SceneBuilder
     from .scene.camera_data import CameraData
     from .scene.scene import Scene, SceneError
@@ -29,6 +30,7 @@ _HOMES = {
     "Settings": ".settings",
     "SettingsError": ".settings",
     "Update": ".update",
+    "completed": ".report",
     "render": ".renderer",
 }
 
@@ -42,6 +44,7 @@ __all__ = [
     "Settings",
     "SettingsError",
     "Update",
+    "completed",
     "render",
 ]
 

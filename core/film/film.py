@@ -66,6 +66,12 @@ class Film:
         self._part_count = np.zeros((REPLICATES, count), np.int32)
 
     @property
+    def nbytes(self) -> int:
+        """Memory of the sums [bytes]."""
+        parts = (self._sum, self._count, self._part_sum, self._part_count)
+        return sum(part.nbytes for part in parts)
+
+    @property
     def passes(self) -> int:
         """Whole passes in the film."""
         return int(self._count.min())

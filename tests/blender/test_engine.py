@@ -234,17 +234,11 @@ def test_warnings_are_shown(bpy: Any, core: Any, capfd: Any) -> None:
     assert out.count("has no light") == 1
 
 
-def test_progress_follows_the_nearest_limit(bpy: Any) -> None:
-    from photon_map.addon.final import progress, stats_line
-    from photon_map.core.settings import Settings
+def test_the_status_line_tells_pass_and_error(bpy: Any) -> None:
+    from photon_map.addon.final import stats_line
 
     def at(passes: int, seconds: float, error: float) -> Any:
         return update("render", passes, None, error, seconds)
 
-    assert progress(at(16, 0, 1), Settings(passes=64)) == 0.25
-    assert progress(at(1, 5, 1), Settings(passes=64, seconds=10)) == 0.5
-    assert progress(at(4, 0, 0.2), Settings(passes=64, error_goal=0.1)) == 0.25
-    assert progress(at(1, 0, float("inf")), Settings(passes=64, error_goal=0.1)) == 1 / 64
-    assert progress(at(4, 0, 0.0), Settings(passes=4, error_goal=0.1)) == 1.0
     line = stats_line("ViewLayer", at(16, 0, 0.05), 0.25)
     assert line == "ViewLayer | 25 % | Pass 16 | Error 5.00 %"
