@@ -15,6 +15,16 @@ version_of() {
     "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null
 }
 
+# A name as it runs here: itself, or the newest of pyenv's Pythons that has it, because
+# pyenv shows only those that were chosen with `pyenv global`.
+runnable() {
+    if [ -z "$(version_of "$1")" ] && command -v pyenv >/dev/null; then
+        version=$(pyenv whence "$1" 2>/dev/null | tail -n 1)
+        [ -z "$version" ] || { echo "$(pyenv prefix "$version")/bin/$1" && return; }
+    fi
+    echo "$1"
+}
+
 fits() {
     case " $fitting " in *" $1 "*) ;; *) return 1 ;; esac
 }
@@ -22,14 +32,16 @@ fits() {
 wanted=$(echo "$fitting" | sed 's/ /, /g; s/\(.*\), /\1 or /')
 remedy="choose one with: make PYTHON=python3.13 render (a name or a path)"
 if [ -n "$python" ]; then
+    python=$(runnable "$python")
     version=$(version_of "$python") || fail "'$python' does not run as a Python; $remedy"
     fits "$version" || fail "'$python' is Python $version, this needs $wanted; $remedy"
 else
     seen=
     for version in $fitting ''; do
-        found=$(version_of "python3${version#3}") || continue
+        name=$(runnable "python3${version#3}")
+        found=$(version_of "$name") || continue
         if fits "$found"; then
-            python=python3${version#3}
+            python=$name
             break
         fi
         seen="python3 is Python $found; "
