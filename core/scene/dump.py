@@ -47,7 +47,8 @@ def save_scene(path: str | os.PathLike[str], scene: Scene, settings: Settings) -
         **{key: getattr(scene, key) for key in _NAMES},
         "settings": asdict(settings),
     }
-    arrays: dict[str, NDArray] = {key: getattr(scene, key) for key in _ARRAYS}
+    # Any: newer NumPy has a keyword of its own among the arrays' names.
+    arrays: dict[str, Any] = {key: getattr(scene, key) for key in _ARRAYS}
     if scene.camera is not None:
         header["camera"] = {
             f.name: getattr(scene.camera, f.name)
