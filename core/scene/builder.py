@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .camera_data import CameraData
 from .scene import Scene, SceneError
-from .tables import LIGHT, LOBE, MATERIAL, LightKind, Model, Visibility
+from .tables import (
+    CLOSURE,
+    LIGHT,
+    LOBE,
+    MATERIAL,
+    Fresnel,
+    LightKind,
+    Model,
+    Visibility,
+)
 
 
 @dataclass(frozen=True)
@@ -21,6 +31,10 @@ class Lobe:
     weight: tuple[float, float, float]
     ior: float = 0.0
     exponent: float = 0.0
+    roughness: float = 0.0
+    fresnel: Fresnel = Fresnel.NONE
+    f0: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    f90: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     def scaled(self, factor: float | Sequence[float]) -> Lobe:
         """The same lobe with its weight times ``factor`` (number or (3,))."""
@@ -85,7 +99,8 @@ class SceneBuilder:
         self._face_object: list[NDArray[np.int32]] = []
         self._vertex_count = 0
         self._objects: list[str] = []
-        self._materials: list[tuple] = []
+        self._materials: list[NDArray[np.void]] = []
+        self._closures: list[np.void] = []
         self._material_names: list[str] = []
         self._lobes: list[tuple] = []
         self._lights: list[tuple] = []
@@ -94,13 +109,39 @@ class SceneBuilder:
         self._camera: CameraData | None = None
 
     def add_material(
-        self, name: str, lobes: Sequence[Lobe] = (), emission: ArrayLike = 0.0
+        self,
+        name: str,
+        lobes: Sequence[Lobe] = (),
+        emission: ArrayLike = 0.0,
+        closures: Sequence[np.void] = (),
+        **others: Any,
     ) -> int:
-        """Add a material of ``lobes`` that emits radiance ``emission``; its row."""
-        start = len(self._lobes)
-        self._lobes += [(int(b.model), b.weight, b.ior, b.exponent) for b in lobes]
+        """Add a material that emits radiance ``emission``; its row.
+
+        It is made of ``lobes``, or of ``closures`` (rows of ``tables.CLOSURE``) that are
+        resolved at each hit. ``others``: more fields of ``tables.MATERIAL``, such as
+        ``absorption``, ``priority``, or ``ior`` of the medium behind the surface (without
+        it the index of the first refracting lobe).
+        """
+        row = np.zeros((), MATERIAL)
         iors = [b.ior for b in lobes if b.model in (Model.DIELECTRIC, Model.REFRACTION)]
-        self._materials.append((start, len(lobes), _rgb(emission), iors[0] if iors else 0.0))
+        values: dict[str, Any] = {
+            "lobe_start": len(self._lobes),
+            "lobe_count": len(lobes),
+            "closure_start": len(self._closures),
+            "closure_count": len(closures),
+            "emission": _rgb(emission),
+            "ior": iors[0] if iors else 0.0,
+            "passes": any(b.model == Model.TRANSPARENT for b in lobes),
+            "normal_texture": -1,
+            "bump_texture": -1,
+            **others,
+        }
+        for field_name, value in values.items():
+            row[field_name] = value
+        self._lobes += [_lobe_row(b) for b in lobes]
+        self._closures += list(closures)
+        self._materials.append(row)
         self._material_names.append(name)
         return len(self._materials) - 1
 
@@ -243,6 +284,7 @@ class SceneBuilder:
             face_material=_stack(self._face_material, (0,), np.int32),
             face_object=_stack(self._face_object, (0,), np.int32),
             materials=np.array(self._materials, dtype=MATERIAL),
+            closures=np.array(self._closures, dtype=CLOSURE),
             lobes=np.array(self._lobes, dtype=LOBE),
             lights=np.array(self._lights, dtype=LIGHT),
             world=self._world.copy(),
@@ -251,6 +293,13 @@ class SceneBuilder:
             material_names=tuple(self._material_names),
             light_names=tuple(self._light_names),
         )
+
+
+def _lobe_row(lobe: Lobe) -> tuple:
+    return (
+        int(lobe.model), int(lobe.fresnel), lobe.weight, lobe.ior, lobe.exponent,
+        lobe.roughness, lobe.ior, lobe.f0, lobe.f90,
+    )  # fmt: skip
 
 
 def _stack(parts: list, empty: tuple[int, ...], dtype: type) -> NDArray:

@@ -23,7 +23,7 @@ from .camera_data import CameraData
 from .scene import Scene, SceneError
 
 FORMAT = "photon_map scene"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 _NAMES = ("object_names", "material_names", "light_names")
 _ARRAYS = tuple(f.name for f in fields(Scene) if f.name not in ("name", "camera", *_NAMES))

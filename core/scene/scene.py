@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera_data import CameraData
-from .tables import LIGHT, LOBE, MATERIAL, LightKind, Model
+from .tables import CLOSURE, IMAGE, LIGHT, LOBE, MATERIAL, TEXTURE, LightKind, Model
 
 
 class SceneError(ValueError):
@@ -25,6 +25,10 @@ class Scene:
     face_material   (F,) int32 row of ``materials``
     face_object     (F,) int32 index into ``object_names``
     materials       (M,) ``tables.MATERIAL``; lobes (L,) ``tables.LOBE``
+    closures        (C,) ``tables.CLOSURE``: of the materials that vary over their surface
+    textures        (T,) ``tables.TEXTURE``; images (I,) ``tables.IMAGE``
+    texels8         (N, 4) uint8, texels32 (N, 4) float32: what the images show
+    uvs             (K, F, 3, 2) float32 texture coordinates of K sets, per face corner
     lights          (N,) ``tables.LIGHT``: the lamps; emissive faces come by material
     world           (3,) float64 radiance of the uniform surroundings
     luminance       (3,) float64 weights of the channels, summing to 1
@@ -46,11 +50,19 @@ class Scene:
     luminance: NDArray[np.float64] = field(
         default_factory=lambda: np.array([0.2126, 0.7152, 0.0722])
     )
+    closures: NDArray[np.void] = field(default_factory=lambda: np.zeros(0, CLOSURE))
+    textures: NDArray[np.void] = field(default_factory=lambda: np.zeros(0, TEXTURE))
+    images: NDArray[np.void] = field(default_factory=lambda: np.zeros(0, IMAGE))
+    texels8: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 4), np.uint8))
+    texels32: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    uvs: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 0, 3, 2), np.float32))
     object_names: tuple[str, ...] = ()
     material_names: tuple[str, ...] = ()
     light_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        if self.uvs.shape == (0, 0, 3, 2):
+            object.__setattr__(self, "uvs", np.zeros((0, len(self.faces), 3, 2), np.float32))
         check_scene(self)
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
@@ -71,6 +83,12 @@ def check_scene(scene: Scene) -> None:
         "lights": ((len(scene.light_names),), LIGHT),
         "world": ((3,), np.dtype("f8")),
         "luminance": ((3,), np.dtype("f8")),
+        "closures": ((len(scene.closures),), CLOSURE),
+        "textures": ((len(scene.textures),), TEXTURE),
+        "images": ((len(scene.images),), IMAGE),
+        "texels8": ((len(scene.texels8), 4), np.dtype("u1")),
+        "texels32": ((len(scene.texels32), 4), np.dtype("f4")),
+        "uvs": ((len(scene.uvs), count, 3, 2), np.dtype("f4")),
     }
     for name, (shape, dtype) in expected.items():
         array = getattr(scene, name)
@@ -105,6 +123,9 @@ def _check_materials(scene: Scene) -> None:
         start, stop = row["lobe_start"], row["lobe_start"] + row["lobe_count"]
         if start < 0 or row["lobe_count"] < 0 or stop > len(scene.lobes):
             raise SceneError(f"material '{name}': its lobes lie outside the lobe table")
+        first, behind = row["closure_start"], row["closure_start"] + row["closure_count"]
+        if first < 0 or row["closure_count"] < 0 or behind > len(scene.closures):
+            raise SceneError(f"material '{name}': its closures lie outside the closure table")
         if not np.isfinite(row["emission"]).all() or (row["emission"] < 0).any():
             raise SceneError(f"material '{name}': emission must be finite and not negative")
         for lobe in scene.lobes[start:stop]:

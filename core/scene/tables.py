@@ -19,10 +19,66 @@ class Model(IntEnum):
     CONDUCTOR = 2
     DIELECTRIC = 3
     REFRACTION = 4
+    OREN_NAYAR = 5
+    GGX = 6
+    GGX_DIELECTRIC = 7
+    GGX_REFRACTION = 8
+    TRANSPARENT = 9
+    TRANSLUCENT = 10
+    SHEEN = 11
 
 
 #: Models whose scattering is a Dirac delta: no photon is stored for them.
-SPECULAR_MODELS = (Model.CONDUCTOR, Model.DIELECTRIC, Model.REFRACTION)
+SPECULAR_MODELS = (Model.CONDUCTOR, Model.DIELECTRIC, Model.REFRACTION, Model.TRANSPARENT)
+
+
+class Fresnel(IntEnum):
+    """How the reflectance of a reflecting lobe grows towards grazing."""
+
+    NONE = 0
+    DIELECTRIC = 1
+    F82 = 2
+    SCHLICK = 3
+
+
+class ClosureKind(IntEnum):
+    """Shader node that a closure comes from."""
+
+    DIFFUSE = 0
+    GLOSSY = 1
+    GLASS = 2
+    REFRACTION = 3
+    TRANSPARENT = 4
+    TRANSLUCENT = 5
+    EMISSION = 6
+    PRINCIPLED = 7
+    SHEEN = 8
+    METALLIC = 9
+
+
+class Channel(IntEnum):
+    """What of a texture's colour a parameter takes."""
+
+    COLOR = 0
+    ALPHA = 1
+    LUMINANCE = 2
+
+
+class Extension(IntEnum):
+    """What an image shows outside of its square."""
+
+    REPEAT = 0
+    EXTEND = 1
+    CLIP = 2
+    MIRROR = 3
+
+
+class ImageKind(IntEnum):
+    """How an image's texels are stored: linear bytes, sRGB bytes, linear float32."""
+
+    BYTES = 0
+    SRGB_BYTES = 1
+    FLOATS = 2
 
 
 class LightKind(IntEnum):
@@ -45,22 +101,107 @@ class Visibility(IntFlag):
     ALL = 15
 
 
-#: One scattering lobe. ``weight`` is its albedo per channel, mix factors included;
-#: ``ior`` is absolute (DIELECTRIC, REFRACTION); ``exponent`` belongs to PHONG.
+#: One scattering lobe. ``weight`` is its albedo per channel, mix factors included; ``ior``
+#: is absolute (DIELECTRIC, REFRACTION); ``exponent`` belongs to PHONG. ``roughness``: alpha
+#: of GGX, or what OREN_NAYAR and SHEEN call roughness. ``eta``: n transmitted / n incident
+#: as seen from ``wo`` for rough glass, set when the lobe is resolved at a hit. ``fresnel``
+#: with ``f0`` and ``f90`` (F82: the tint at 82 degrees; SCHLICK: at 90) scales reflection.
 LOBE = np.dtype(
-    [("model", "i4"), ("weight", "f8", 3), ("ior", "f8"), ("exponent", "f8")], align=True
+    [
+        ("model", "i4"),
+        ("fresnel", "i4"),
+        ("weight", "f8", 3),
+        ("ior", "f8"),
+        ("exponent", "f8"),
+        ("roughness", "f8"),
+        ("eta", "f8"),
+        ("f0", "f8", 3),
+        ("f90", "f8", 3),
+    ],
+    align=True,
 )
 
-#: One material: a slice of the lobe table and what it emits (radiance, both sides).
-#: ``ior`` is that of the medium behind the surface, 0 when there is no medium.
+#: A parameter of a shader node: ``value`` times what ``channel`` of ``texture`` says
+#: (-1: ``value`` alone). Numbers stand in ``value[0]``.
+PARAM = np.dtype([("value", "f8", 3), ("texture", "i4"), ("channel", "i4")], align=True)
+
+#: A mix factor on the way to a shader node; ``invert``: 1 - factor counts.
+FACTOR = np.dtype([("param", PARAM), ("invert", "i4")], align=True)
+
+#: Mix factors that one closure can have.
+MOST_FACTORS = 4
+
+#: One shader node with its place in the tree: weighed by the product of its factors.
+#: ``emission`` carries colour times strength; ``distribution``: 0 GGX, 1 multiscatter GGX.
+CLOSURE = np.dtype(
+    [
+        ("kind", "i4"),
+        ("factor_count", "i4"),
+        ("factors", FACTOR, MOST_FACTORS),
+        ("color", PARAM),
+        ("roughness", PARAM),
+        ("metallic", PARAM),
+        ("transmission", PARAM),
+        ("alpha", PARAM),
+        ("emission", PARAM),
+        ("ior", "f8"),
+        ("specular_level", "f8"),
+        ("specular_tint", "f8", 3),
+        ("coat", "f8"),
+        ("coat_roughness", "f8"),
+        ("coat_ior", "f8"),
+        ("coat_tint", "f8", 3),
+        ("sheen", "f8"),
+        ("sheen_roughness", "f8"),
+        ("sheen_tint", "f8", 3),
+        ("diffuse_roughness", "f8"),
+        ("distribution", "i4"),
+    ],
+    align=True,
+)
+
+#: One material. Its lobes are a slice of the lobe table; a material with closures has them
+#: resolved at every hit instead. ``emission``: radiance of both sides (the mean one where
+#: closures emit). ``ior`` is that of the medium behind the surface, 0 when there is none;
+#: ``absorption`` [1/m] inside it; of overlapping media the one with the larger
+#: ``priority`` counts. ``passes``: a ray may go straight through. ``normal_texture`` and
+#: ``bump_texture``: rows of the texture table, -1 without.
 MATERIAL = np.dtype(
     [
         ("lobe_start", "i4"),
         ("lobe_count", "i4"),
+        ("closure_start", "i4"),
+        ("closure_count", "i4"),
         ("emission", "f8", 3),
         ("ior", "f8"),
+        ("absorption", "f8", 3),
+        ("priority", "i4"),
+        ("passes", "i4"),
+        ("normal_texture", "i4"),
+        ("bump_texture", "i4"),
+        ("normal_strength", "f8"),
+        ("bump_strength", "f8"),
+        ("bump_distance", "f8"),
     ],
     align=True,
+)
+
+#: One use of an image. ``uv``: which set of coordinates; ``to_image``: affine map (2, 3)
+#: from them to the image's unit square; ``interpolation``: 0 linear, 1 closest.
+TEXTURE = np.dtype(
+    [
+        ("image", "i4"),
+        ("uv", "i4"),
+        ("to_image", "f8", (2, 3)),
+        ("extension", "i4"),
+        ("interpolation", "i4"),
+    ],
+    align=True,
+)
+
+#: One image: rows from the bottom, RGBA texels from ``start`` on in the table of its kind.
+IMAGE = np.dtype(
+    [("start", "i8"), ("width", "i4"), ("height", "i4"), ("kind", "i4")], align=True
 )
 
 #: One lamp. It shines along ``-axis_z``; ``axis_x`` carries ``size_x``, ``axis_y``
