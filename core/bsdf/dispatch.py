@@ -1,179 +1,252 @@
-"""The only code that knows which model a lobe is of.
+"""The lobes of a surface as one BSDF in two parts, and the only way to them.
 
-A material is a slice of the lobe table. Its non-specular lobes form one BSDF (``eval``,
-``pdf``, ``sample``); of its specular lobes one is drawn at random. ``n`` is the shading
-normal on the side of ``wo``; all directions point away from the surface. To add a model:
-one file beside this one, one branch in each function below, one entry in ``Model``.
+A *surface* is any row with ``lobe_start`` and ``lobe_count``: a slice of a lobe table. Its
+lobes are shared out between two parts by ``narrow_share``: what is NARROW scatters like a
+mirror or smooth glass (deltas are wholly so), what is WIDE like a diffuse surface. The sum
+of both parts is the BSDF, so nothing jumps with roughness. Transparent lobes are in
+neither: their rays go on as if there were no surface. ``n`` is the shading normal on the
+side of ``wo``; all directions point away from the surface.
 """
 
 from __future__ import annotations
 
-from ..geometry.vector import Vector, dot, vector
+from ..geometry.vector import Vector, add, dot, scale, vector
 from ..jit import Row, Table, kernel
-from ..scene.tables import Model
-from .conductor import sample_conductor
-from .dielectric import sample_dielectric, sample_refraction
-from .diffuse import eval_diffuse, pdf_diffuse, sample_diffuse
-from .phong import eval_phong, pdf_phong, sample_phong
+from ..scene.tables import Visibility
+from .lobe import (
+    DIELECTRIC,
+    DIFFUSE,
+    REFRACTION,
+    TRANSLUCENT,
+    TRANSPARENT,
+    eval_lobe,
+    is_delta,
+    is_diffuse_like,
+    is_rough_glass,
+    narrow_share,
+    pdf_lobe,
+    sample_delta,
+    sample_lobe,
+    transmits,
+)
 
-DIFFUSE = int(Model.DIFFUSE)
-PHONG = int(Model.PHONG)
-CONDUCTOR = int(Model.CONDUCTOR)
-DIELECTRIC = int(Model.DIELECTRIC)
-REFRACTION = int(Model.REFRACTION)
+# Until the callers have moved to the parts:
+from .whole import eval_nonspecular as eval_nonspecular
+from .whole import is_specular as is_specular
+from .whole import pdf_nonspecular as pdf_nonspecular
+from .whole import sample_nonspecular as sample_nonspecular
+from .whole import sample_specular as sample_specular
+from .whole import whole_weights as whole_weights
 
-
-@kernel
-def is_specular(model: int) -> bool:
-    """Whether the model scatters into single directions (a Dirac delta)."""
-    return model == CONDUCTOR or model == DIELECTRIC or model == REFRACTION
-
-
-@kernel
-def mean(weight: Table) -> float:
-    """Mean of the three channels."""
-    return (weight[0] + weight[1] + weight[2]) / 3.0
-
-
-@kernel
-def lobe_weights(material: Row, lobes: Table) -> tuple[float, float]:
-    """Total mean weight of the non-specular and of the specular lobes."""
-    smooth = 0.0
-    rough = 0.0
-    for k in range(material.lobe_start, material.lobe_start + material.lobe_count):
-        if is_specular(lobes[k].model):
-            smooth += mean(lobes[k].weight)
-        else:
-            rough += mean(lobes[k].weight)
-    return rough, smooth
+WIDE = 0
+NARROW = 1
+_BLACK = (0.0, 0.0, 0.0)
+_DIFFUSE_BIT = int(Visibility.DIFFUSE)
+_GLOSSY_BIT = int(Visibility.GLOSSY)
+_TRANSMISSION_BIT = int(Visibility.TRANSMISSION)
 
 
 @kernel
-def is_lambertian(material: Row, lobes: Table) -> bool:
-    """Whether the non-specular part is Lambertian alone (its value is a constant)."""
-    for k in range(material.lobe_start, material.lobe_start + material.lobe_count):
-        if lobes[k].model == PHONG:
+def _part_share(lobe: Row, part: int) -> float:
+    """Share of a lobe that belongs to ``part``."""
+    if lobe.model == TRANSPARENT:
+        return 0.0
+    narrow = narrow_share(lobe)
+    return narrow if part == NARROW else 1.0 - narrow
+
+
+@kernel
+def _part_weight(surface: Row, lobes: Table, part: int) -> float:
+    """What the lobes of a part are drawn by, summed."""
+    total = 0.0
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        total += lobes[k].share * _part_share(lobes[k], part)
+    return total
+
+
+@kernel
+def lobe_weights(surface: Row, lobes: Table) -> tuple[float, float]:
+    """How much the wide and the narrow part scatter: estimates to choose between them."""
+    return _part_weight(surface, lobes, WIDE), _part_weight(surface, lobes, NARROW)
+
+
+@kernel
+def pass_weight(surface: Row, lobes: Table) -> Vector:
+    """Share of light that goes straight through, per channel."""
+    total = _BLACK
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        if lobes[k].model == TRANSPARENT:
+            total = add(total, vector(lobes[k].weight))
+    return total
+
+
+@kernel
+def is_twosided(surface: Row, lobes: Table) -> bool:
+    """Whether light from behind is scattered widely to the viewer."""
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        if transmits(lobes[k].model) and narrow_share(lobes[k]) < 1.0:
+            return True
+    return False
+
+
+@kernel
+def part_bit(surface: Row, lobes: Table, part: int, transmitted: bool) -> int:
+    """``Visibility`` bit of the rays that a part sends out on one side."""
+    diffuse = False
+    refracting = False
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        lobe = lobes[k]
+        if lobe.share * _part_share(lobe, part) <= 0.0:
+            continue
+        diffuse = diffuse or is_diffuse_like(lobe.model)
+        refracting = refracting or (transmits(lobe.model) and lobe.model != TRANSLUCENT)
+    if transmitted:
+        return _TRANSMISSION_BIT if refracting else _DIFFUSE_BIT
+    return _DIFFUSE_BIT if diffuse else _GLOSSY_BIT
+
+
+@kernel
+def is_lambertian(surface: Row, lobes: Table) -> bool:
+    """Whether the wide part is Lambertian reflection alone (its value is a constant)."""
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        if lobes[k].model != DIFFUSE and _part_share(lobes[k], WIDE) > 0.0:
             return False
     return True
 
 
 @kernel
-def albedo_nonspecular(material: Row, lobes: Table) -> Vector:
-    """Summed weights of the non-specular lobes."""
-    r = g = b = 0.0
-    for k in range(material.lobe_start, material.lobe_start + material.lobe_count):
-        if not is_specular(lobes[k].model):
-            w = lobes[k].weight
-            r += w[0]
-            g += w[1]
-            b += w[2]
-    return r, g, b
+def albedo_nonspecular(surface: Row, lobes: Table) -> Vector:
+    """Summed weights of the wide shares of all lobes."""
+    total = _BLACK
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        total = add(total, scale(vector(lobes[k].weight), _part_share(lobes[k], WIDE)))
+    return total
 
 
 @kernel
-def eval_nonspecular(material: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector) -> Vector:
-    """BSDF value of the non-specular lobes [1/sr], without the cosine."""
-    r = g = b = 0.0
-    if dot(n, wi) <= 0.0 or dot(n, wo) <= 0.0:
-        return r, g, b
-    for k in range(material.lobe_start, material.lobe_start + material.lobe_count):
-        model = lobes[k].model
-        if model == DIFFUSE:
-            f = eval_diffuse()
-        elif model == PHONG:
-            f = eval_phong(n, wo, wi, lobes[k].exponent)
-        else:
-            continue
-        w = lobes[k].weight
-        r += w[0] * f
-        g += w[1] * f
-        b += w[2] * f
-    return r, g, b
+def eval_part(
+    surface: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector, part: int
+) -> Vector:
+    """BSDF value of a part [1/sr] without the cosine and without deltas.
+
+    ``wi`` may lie below ``n``. For radiance that leaves towards ``wo``: a refraction holds
+    its factor 1 / eta^2.
+    """
+    total = _BLACK
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        share = _part_share(lobes[k], part)
+        if share > 0.0:
+            total = add(total, scale(eval_lobe(lobes[k], n, wo, wi), share))
+    return total
 
 
 @kernel
-def pdf_nonspecular(material: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector) -> float:
-    """Density of ``sample_nonspecular`` per solid angle."""
-    if dot(n, wi) <= 0.0:
-        return 0.0
+def pdf_part(surface: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector, part: int) -> float:
+    """Density per solid angle of what ``sample_part`` draws, deltas left out."""
     total = 0.0
     pdf_w = 0.0
-    for k in range(material.lobe_start, material.lobe_start + material.lobe_count):
-        model = lobes[k].model
-        share = mean(lobes[k].weight)
-        if model == DIFFUSE:
-            pdf_w += share * pdf_diffuse(n, wi)
-        elif model == PHONG:
-            pdf_w += share * pdf_phong(n, wo, wi, lobes[k].exponent)
-        else:
-            continue
-        total += share
-    if total <= 0.0:
-        return 0.0
-    return pdf_w / total
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        share = lobes[k].share * _part_share(lobes[k], part)
+        if share > 0.0:
+            total += share
+            pdf_w += share * pdf_lobe(lobes[k], n, wo, wi)
+    return pdf_w / total if total > 0.0 else 0.0
 
 
 @kernel
-def sample_nonspecular(
-    material: Row, lobes: Table, n: Vector, wo: Vector, u_lobe: float, u: float, v: float
-) -> Vector:
-    """Direction from one non-specular lobe, chosen by mean weight; may lie below ``n``."""
-    rough, _ = lobe_weights(material, lobes)
-    rest = u_lobe * rough
+def _choose(surface: Row, lobes: Table, part: int, u: float) -> tuple[int, float, float]:
+    """Draw a lobe of a part: (its row or -1, probability, what is left of ``u``)."""
+    total = _part_weight(surface, lobes, part)
+    rest = u * total
     chosen = -1
-    for k in range(material.lobe_start, material.lobe_start + material.lobe_count):
-        share = mean(lobes[k].weight)
-        if is_specular(lobes[k].model) or share <= 0.0:
+    share = 0.0
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        s = lobes[k].share * _part_share(lobes[k], part)
+        if s <= 0.0:
             continue
         chosen = k
-        if rest < share:
+        share = s
+        if rest < s:
             break
-        rest -= share
-    if chosen >= 0 and lobes[chosen].model == PHONG:
-        return sample_phong(n, wo, lobes[chosen].exponent, u, v)
-    return sample_diffuse(n, u, v)
+        rest -= s
+    if chosen < 0:
+        return -1, 0.0, 0.0
+    return chosen, share / total, min(rest / share, 1.0 - 1e-12)
 
 
 @kernel
-def sample_specular(
-    material: Row,
+def _eta_of(lobe: Row, entering: bool, n_around: float) -> float:
+    """Ratio n transmitted / n incident of a hit: resolved lobes know it."""
+    if is_rough_glass(lobe.model):
+        return lobe.eta
+    if lobe.model == DIELECTRIC or lobe.model == REFRACTION:
+        return lobe.ior / n_around if entering else n_around / lobe.ior
+    return 1.0
+
+
+@kernel
+def _weight_of(
+    surface: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector, part: int, eta: float
+) -> Vector:
+    """Weight f |cos| / pdf over those lobes of a part that would scale radiance alike.
+
+    Flux goes without the radiance factor 1 / eta^2; lobes of another factor have their
+    own samples, so the sum over all samples is right for both.
+    """
+    total = 0.0
+    pdf_w = 0.0
+    f = _BLACK
+    below = dot(n, wi) < 0.0
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        lobe = lobes[k]
+        share = _part_share(lobe, part)
+        if share <= 0.0:
+            continue
+        total += lobe.share * share
+        if below and (lobe.eta if is_rough_glass(lobe.model) else 1.0) != eta:
+            continue
+        pdf_w += lobe.share * share * pdf_lobe(lobe, n, wo, wi)
+        f = add(f, scale(eval_lobe(lobe, n, wo, wi), share))
+    if pdf_w <= 0.0:
+        return _BLACK
+    factor = eta * eta if below else 1.0
+    return scale(f, factor * abs(dot(n, wi)) * total / pdf_w)
+
+
+@kernel
+def sample_part(
+    surface: Row,
     lobes: Table,
     n: Vector,
     wo: Vector,
     entering: bool,
     n_around: float,
+    part: int,
     u_lobe: float,
     u: float,
-) -> tuple[bool, Vector, Vector, bool, float]:
-    """Draw one specular event: (possible, wi, weight, transmitted, eta).
+    v: float,
+) -> tuple[bool, Vector, Vector, float, bool, float]:
+    """Draw a direction: (possible, wi, weight, pdf_w, transmitted, eta).
 
-    ``n_around`` is the index of the medium on the other side of the material's own one.
-    ``weight`` divides by the lobe's probability among the specular lobes and carries no
-    radiance factor; ``eta`` is 1 for a reflection.
+    ``n_around``: index of the medium on the other side of the material's own one.
+    ``weight``: f |cos| / pdf of the part, for a delta its weight over its probability; in
+    both cases for flux. Radiance is divided by ``eta``^2, which is 1 unless refracted.
+    ``pdf_w``: as ``pdf_part``, 0 for a delta.
     """
-    _, smooth = lobe_weights(material, lobes)
-    nothing = (0.0, 0.0, 0.0)
-    rest = u_lobe * smooth
-    chosen = -1
-    for k in range(material.lobe_start, material.lobe_start + material.lobe_count):
-        share = mean(lobes[k].weight)
-        if not is_specular(lobes[k].model) or share <= 0.0:
-            continue
-        chosen = k
-        if rest < share:
-            break
-        rest -= share
-    if chosen < 0:
-        return False, wo, nothing, False, 1.0
-    lobe = lobes[chosen]
-    prob = mean(lobe.weight) / smooth
-    w = vector(lobe.weight)
-    weight = (w[0] / prob, w[1] / prob, w[2] / prob)
-    if lobe.model == CONDUCTOR:
-        return True, sample_conductor(n, wo), weight, False, 1.0
-    eta = lobe.ior / n_around if entering else n_around / lobe.ior
-    if lobe.model == DIELECTRIC:
-        wi, transmitted = sample_dielectric(n, wo, eta, u)
-        return True, wi, weight, transmitted, (eta if transmitted else 1.0)
-    wi, possible = sample_refraction(n, wo, eta)
-    return possible, wi, weight, True, eta
+    k, prob, u_rest = _choose(surface, lobes, part, u_lobe)
+    if k < 0 or dot(n, wo) <= 0.0:
+        return False, wo, _BLACK, 0.0, False, 1.0
+    lobe = lobes[k]
+    eta = _eta_of(lobe, entering, n_around)
+    if is_delta(lobe):
+        ok, wi, weight, transmitted = sample_delta(lobe, n, wo, eta, u)
+        weight = scale(weight, _part_share(lobe, part) / prob)
+        return ok, wi, weight, 0.0, transmitted, (eta if transmitted else 1.0)
+    ok, wi, transmitted = sample_lobe(lobe, n, wo, u_rest, u, v)
+    if not transmitted:
+        eta = 1.0
+    if not ok:
+        return False, wi, _BLACK, 0.0, transmitted, eta
+    pdf_w = pdf_part(surface, lobes, n, wo, wi, part)
+    weight = _weight_of(surface, lobes, n, wo, wi, part, eta)
+    return pdf_w > 0.0, wi, weight, pdf_w, transmitted, eta

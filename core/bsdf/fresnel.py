@@ -7,6 +7,10 @@ import math
 from ..geometry.vector import Vector, dot
 from ..jit import kernel
 
+#: Height of x (1 - x)^6 at x = 1 / 7, where it is largest: the cosine of 81.8 degrees.
+_F82_COS = 1.0 / 7.0
+_F82_PEAK = _F82_COS * (1.0 - _F82_COS) ** 6
+
 
 @kernel
 def fresnel_dielectric(cos_i: float, eta: float) -> tuple[float, float]:
@@ -26,6 +30,48 @@ def fresnel_dielectric(cos_i: float, eta: float) -> tuple[float, float]:
     parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t)
     perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t)
     return 0.5 * (parallel * parallel + perpendicular * perpendicular), cos_t
+
+
+@kernel
+def normal_reflectance(eta: float) -> float:
+    """Reflectance of a dielectric at normal incidence."""
+    r = (eta - 1.0) / (eta + 1.0)
+    return r * r
+
+
+@kernel
+def fresnel_rise(cos_i: float, eta: float) -> float:
+    """How far the reflectance has risen from that at normal incidence (0) to 1 (1).
+
+    The true curve of a dielectric of ``eta``; where that has no shape (eta 0 or 1),
+    Schlick's fifth power (Schlick 1994, eq. 15).
+    """
+    f0 = normal_reflectance(eta)
+    if eta <= 0.0 or f0 < 1e-9:
+        m = min(1.0, max(0.0, 1.0 - cos_i))
+        return m * m * m * m * m
+    return min(1.0, max(0.0, (fresnel_dielectric(cos_i, eta)[0] - f0) / (1.0 - f0)))
+
+
+@kernel
+def f82_dip(f0: float, tint: float) -> float:
+    """Strength b of the F82 model's dip: F = Schlick - b x (1 - x)^6, x the cosine.
+
+    The reflectance where the dip is deepest is ``tint`` times Schlick's value there
+    (Kutz, Hasan & Edmondson 2021, "Novel Aspects of the Adobe Standard Material").
+    """
+    m = 1.0 - _F82_COS
+    schlick = f0 + (1.0 - f0) * m * m * m * m * m
+    return schlick * (1.0 - tint) / _F82_PEAK
+
+
+@kernel
+def fresnel_f82(cos_i: float, f0: float, tint: float) -> float:
+    """Reflectance of a metal: ``f0`` at normal incidence, tinted near 82 degrees."""
+    m = min(1.0, max(0.0, 1.0 - cos_i))
+    m2 = m * m
+    schlick = f0 + (1.0 - f0) * m2 * m2 * m
+    return min(1.0, max(0.0, schlick - f82_dip(f0, tint) * cos_i * m2 * m2 * m2))
 
 
 @kernel

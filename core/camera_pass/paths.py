@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..bsdf.dispatch import albedo_nonspecular, lobe_weights
+from ..bsdf.dispatch import albedo_nonspecular
+from ..bsdf.dispatch import whole_weights as lobe_weights
 from ..bsdf.specular import scatter_specular
 from ..camera.lens import camera_ray
 from ..geometry.interaction import OFFSET, interact, leave

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ..bsdf.dispatch import (
     eval_nonspecular,
-    lobe_weights,
     pdf_nonspecular,
     sample_nonspecular,
 )
+from ..bsdf.dispatch import whole_weights as lobe_weights
 from ..bsdf.specular import scatter_specular
 from ..geometry.interaction import interact, leave
 from ..geometry.media import cross_surface

@@ -297,9 +297,20 @@ class SceneBuilder:
 
 def _lobe_row(lobe: Lobe) -> tuple:
     return (
-        int(lobe.model), int(lobe.fresnel), lobe.weight, lobe.ior, lobe.exponent,
-        lobe.roughness, lobe.ior, lobe.f0, lobe.f90,
+        int(lobe.model), int(lobe.fresnel), lobe.weight, _share(lobe), lobe.ior,
+        lobe.exponent, lobe.roughness, lobe.ior, lobe.f0, lobe.f90,
     )  # fmt: skip
+
+
+def _share(lobe: Lobe) -> float:
+    """Estimate of what a lobe reflects: Fresnel at normal incidence, and some for grazing."""
+    weight = np.asarray(lobe.weight)
+    if lobe.model != Model.GGX or lobe.fresnel == Fresnel.NONE:
+        return float(weight.mean())
+    f0 = np.asarray(lobe.f0)
+    if lobe.fresnel == Fresnel.DIELECTRIC:
+        f0 = np.full(3, ((lobe.ior - 1) / (lobe.ior + 1)) ** 2)
+    return float((weight * (f0 + (1 - f0) / 21)).mean())
 
 
 def _stack(parts: list, empty: tuple[int, ...], dtype: type) -> NDArray:

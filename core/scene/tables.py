@@ -105,12 +105,15 @@ class Visibility(IntFlag):
 #: is absolute (DIELECTRIC, REFRACTION); ``exponent`` belongs to PHONG. ``roughness``: alpha
 #: of GGX, or what OREN_NAYAR and SHEEN call roughness. ``eta``: n transmitted / n incident
 #: as seen from ``wo`` for rough glass, set when the lobe is resolved at a hit. ``fresnel``
-#: with ``f0`` and ``f90`` (F82: the tint at 82 degrees; SCHLICK: at 90) scales reflection.
+#: with ``f0`` and ``f90`` (F82: the tint at 82 degrees; SCHLICK: at 90) scales reflection;
+#: GGX_DIELECTRIC tints what it transmits by ``f90``; OREN_NAYAR has its facets' albedo in
+#: ``f0``. ``share``: estimate of what the lobe scatters, by which it is drawn.
 LOBE = np.dtype(
     [
         ("model", "i4"),
         ("fresnel", "i4"),
         ("weight", "f8", 3),
+        ("share", "f8"),
         ("ior", "f8"),
         ("exponent", "f8"),
         ("roughness", "f8"),
