@@ -62,6 +62,9 @@ class Channel(IntEnum):
     COLOR = 0
     ALPHA = 1
     LUMINANCE = 2
+    RED = 3
+    GREEN = 4
+    BLUE = 5
 
 
 class Extension(IntEnum):
@@ -74,11 +77,12 @@ class Extension(IntEnum):
 
 
 class ImageKind(IntEnum):
-    """How an image's texels are stored: linear bytes, sRGB bytes, linear float32."""
+    """How an image's texels are stored: linear or sRGB, bytes or float32."""
 
     BYTES = 0
     SRGB_BYTES = 1
     FLOATS = 2
+    SRGB_FLOATS = 3
 
 
 class LightKind(IntEnum):
@@ -190,7 +194,8 @@ MATERIAL = np.dtype(
 )
 
 #: One use of an image. ``uv``: which set of coordinates; ``to_image``: affine map (2, 3)
-#: from them to the image's unit square; ``interpolation``: 0 linear, 1 closest.
+#: from them to the image's unit square; ``interpolation``: 0 linear, 1 closest;
+#: ``unassociate``: colours are divided by alpha, which the texels have multiplied in.
 TEXTURE = np.dtype(
     [
         ("image", "i4"),
@@ -198,6 +203,7 @@ TEXTURE = np.dtype(
         ("to_image", "f8", (2, 3)),
         ("extension", "i4"),
         ("interpolation", "i4"),
+        ("unassociate", "i4"),
     ],
     align=True,
 )
