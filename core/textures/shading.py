@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bsdf.albedo import AlbedoTables, shading_albedo
 from ..scene.scene import Scene
 
 
@@ -19,6 +20,7 @@ class ShadingTables(NamedTuple):
     texels8: NDArray[np.uint8]
     texels32: NDArray[np.float32]
     uvs: NDArray[np.float32]
+    albedo: AlbedoTables
 
 
 def shading_tables(scene: Scene) -> ShadingTables:
@@ -30,4 +32,5 @@ def shading_tables(scene: Scene) -> ShadingTables:
         texels8=scene.texels8.copy(),
         texels32=scene.texels32.copy(),
         uvs=scene.uvs.copy(),
+        albedo=shading_albedo(len(scene.closures)),
     )

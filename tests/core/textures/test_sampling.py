@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from photon_map.core.bsdf.albedo import no_albedo_tables
 from photon_map.core.scene.tables import (
     CLOSURE,
     IMAGE,
@@ -48,6 +49,7 @@ def tables(pixels: np.ndarray, kind: ImageKind, **use: object) -> ShadingTables:
         texels8=np.zeros((0, 4), np.uint8) if floats else flat.astype(np.uint8),
         texels32=flat.astype(np.float32) if floats else np.zeros((0, 4), np.float32),
         uvs=np.array([[[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]]], np.float32),
+        albedo=no_albedo_tables(),
     )
 
 
