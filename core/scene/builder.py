@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .camera_data import CameraData
+from .image_tables import ImageTables, stacked_uvs
 from .scene import Scene, SceneError
 from .tables import (
     CLOSURE,
@@ -87,14 +88,17 @@ class SceneBuilder:
 
     Faces that are degenerate (zero area, NaN or infinite corner) are dropped and counted
     in ``dropped_faces``: they cannot be seen, and would poison everything they touch.
+    ``pictures`` takes images and textures, whose rows materials refer to.
     """
 
     def __init__(self, name: str = "scene") -> None:
         self.name = name
         self.dropped_faces = 0
+        self.pictures = ImageTables()
         self._vertices: list[NDArray[np.float64]] = []
         self._faces: list[NDArray[np.int32]] = []
         self._normals: list[NDArray[np.float32]] = []
+        self._uvs: list[NDArray[np.float32]] = []
         self._face_material: list[NDArray[np.int32]] = []
         self._face_object: list[NDArray[np.int32]] = []
         self._vertex_count = 0
@@ -152,11 +156,13 @@ class SceneBuilder:
         faces: ArrayLike,
         material: ArrayLike,
         corner_normals: ArrayLike | None = None,
+        uvs: ArrayLike | None = None,
     ) -> None:
         """Add one object's triangles.
 
         vertices (V, 3) world metres; faces (F, 3); material: a row or one per face;
-        corner_normals: (F, 3, 3) unit, zeros where flat, None for an all-flat mesh.
+        corner_normals: (F, 3, 3) unit, zeros where flat, None for an all-flat mesh;
+        uvs: (K, F, 3, 2) sets of texture coordinates, or one set (F, 3, 2).
         """
         points = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
         triangles = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
@@ -170,6 +176,10 @@ class SceneBuilder:
         )
         if len(normals) != len(triangles):
             raise SceneError(f"object '{name}': one normal per face corner is needed")
+        sets = np.zeros((0, len(triangles), 3, 2)) if uvs is None else np.asarray(uvs)
+        sets = sets[None] if sets.ndim == 3 else sets
+        if sets.shape[1:] != (len(triangles), 3, 2):
+            raise SceneError(f"object '{name}': one coordinate per face corner is needed")
         good = _well_formed(points, triangles)
         self.dropped_faces += int(len(good) - good.sum())
         triangles, rows, normals = triangles[good], rows[good], normals[good]
@@ -178,6 +188,7 @@ class SceneBuilder:
         self._vertices.append(points)
         self._faces.append((triangles + self._vertex_count).astype(np.int32))
         self._normals.append(normals.astype(np.float32))
+        self._uvs.append(np.where(np.isfinite(sets), sets, 0)[:, good].astype(np.float32))
         self._face_material.append(rows.astype(np.int32))
         self._face_object.append(np.full(len(triangles), len(self._objects), np.int32))
         self._objects.append(name)
@@ -285,6 +296,8 @@ class SceneBuilder:
             face_object=_stack(self._face_object, (0,), np.int32),
             materials=np.array(self._materials, dtype=MATERIAL),
             closures=np.array(self._closures, dtype=CLOSURE),
+            uvs=stacked_uvs(self._uvs),
+            **self.pictures.arrays(),
             lobes=np.array(self._lobes, dtype=LOBE),
             lights=np.array(self._lights, dtype=LIGHT),
             world=self._world.copy(),

@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .scene import SceneError
-from .tables import CLOSURE, FACTOR, MOST_FACTORS, PARAM, Channel, ClosureKind
+from .tables import CLOSURE, FACTOR, MOST_FACTORS, PARAM, PARAM_NAMES, Channel, ClosureKind
 
-#: Fields of ``tables.CLOSURE`` that a texture can drive.
-_PARAMS = ("color", "roughness", "metallic", "transmission", "alpha", "emission")
 #: What Blender's nodes begin with, where that is not 0 or no texture.
 _DEFAULTS: tuple[tuple[str, Any], ...] = (
     ("color", 0.8),
@@ -58,12 +56,12 @@ def closure(kind: ClosureKind, factors: Sequence[np.void] = (), **values: Any) -
     row["factor_count"] = len(factors)
     for k, given in enumerate(factors):
         row["factors"][k] = given
-    for name in _PARAMS:
+    for name in PARAM_NAMES:
         row[name] = param(0.0)
     for name, value in (*_DEFAULTS, *values.items()):
         if name not in (CLOSURE.names or ()):
             raise SceneError(f"shaders have no field '{name}'")
-        row[name] = _param_of(value) if name in _PARAMS else value
+        row[name] = _param_of(value) if name in PARAM_NAMES else value
     return row[()]
 
 

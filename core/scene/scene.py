@@ -8,7 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera_data import CameraData
-from .tables import CLOSURE, IMAGE, LIGHT, LOBE, MATERIAL, TEXTURE, LightKind, Model
+from .tables import (
+    CLOSURE,
+    IMAGE,
+    LIGHT,
+    LOBE,
+    MATERIAL,
+    MOST_FACTORS,
+    PARAM_NAMES,
+    TEXTURE,
+    ImageKind,
+    LightKind,
+    Model,
+)
 
 
 class SceneError(ValueError):
@@ -113,9 +125,34 @@ def check_scene(scene: Scene) -> None:
         )
     if not np.isfinite(scene.world).all() or (scene.world < 0).any():
         raise SceneError(f"scene '{scene.name}': the world's radiance must be at least 0")
+    _check_pictures(scene)
     _check_materials(scene)
     _check_lights(scene)
     _check_camera(scene)
+
+
+def _check_pictures(scene: Scene) -> None:
+    """Kernels follow these indices unchecked."""
+    for k, image in enumerate(scene.images):
+        floats = image["kind"] in (ImageKind.FLOATS, ImageKind.SRGB_FLOATS)
+        stored = len(scene.texels32 if floats else scene.texels8)
+        count = int(image["width"]) * int(image["height"])
+        inside = 0 <= image["start"] and image["start"] + count <= stored
+        if min(image["width"], image["height"]) < 1 or not inside:
+            raise SceneError(f"scene '{scene.name}': image {k} lies outside its texels")
+    uses = scene.textures["image"]
+    if uses.size and (uses.min() < 0 or uses.max() >= len(scene.images)):
+        raise SceneError(f"scene '{scene.name}': a texture uses an image that does not exist")
+    if not np.isfinite(scene.textures["to_image"]).all():
+        raise SceneError(f"scene '{scene.name}': the mapping of a texture is not finite")
+    used = [scene.materials["normal_texture"], scene.materials["bump_texture"]]
+    used.append(scene.closures["factors"]["param"]["texture"].reshape(-1))
+    used += [scene.closures[name]["texture"] for name in PARAM_NAMES]
+    if max((ids.max() for ids in used if ids.size), default=-1) >= len(scene.textures):
+        raise SceneError(f"scene '{scene.name}': a material uses a texture that does not exist")
+    counts = scene.closures["factor_count"]
+    if counts.size and (counts.min() < 0 or counts.max() > MOST_FACTORS):
+        raise SceneError(f"scene '{scene.name}': a closure has too many mix factors")
 
 
 def _check_materials(scene: Scene) -> None:

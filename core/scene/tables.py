@@ -167,6 +167,9 @@ CLOSURE = np.dtype(
     align=True,
 )
 
+#: Fields of ``CLOSURE`` that a texture can drive.
+PARAM_NAMES = ("color", "roughness", "metallic", "transmission", "alpha", "emission")
+
 #: One material. Its lobes are a slice of the lobe table; a material with closures has them
 #: resolved at every hit instead. ``emission``: radiance of both sides (the mean one where
 #: closures emit). ``ior`` is that of the medium behind the surface, 0 when there is none;
