@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.scene.camera_data import CameraData
+from ...core.scene.camera_data import CameraData, CameraKind
 from ..report import ExportError
 
 #: Blender's own lower limit in renders: below it the lens would be without bounds.
 _MIN_FSTOP = 1e-5
+
+#: The core's word for each lens type that it knows.
+_KINDS: dict[str, CameraKind] = {"PERSP": "PERSPECTIVE", "ORTHO": "ORTHOGRAPHIC"}
 
 
 def export_camera(
@@ -20,14 +23,15 @@ def export_camera(
     """The camera object ``camera`` at the image ``size`` (width, height) in pixels.
 
     ``engine`` knows the matrix of a stereo view; without one the object's own is taken.
-    Raises ``ExportError`` for a camera that is not a perspective one.
+    Raises ``ExportError`` for a panoramic camera, a custom one, and what is no camera.
     """
     data = camera.data
-    if camera.type != "CAMERA" or data.type != "PERSP":
-        kind = data.type.lower() if camera.type == "CAMERA" else camera.type.lower()
+    kind = _KINDS.get(data.type) if camera.type == "CAMERA" else None
+    if kind is None:
+        found = data.type.lower() if camera.type == "CAMERA" else camera.type.lower()
         raise ExportError(
-            f"camera '{camera.name}' is {kind}; only perspective cameras can be rendered "
-            "yet, change its lens type"
+            f"camera '{camera.name}' is {found}; only perspective and orthographic cameras "
+            "can be rendered, change its lens type"
         )
     matrix = np.array(
         engine.camera_model_matrix(camera) if engine is not None else camera.matrix_world,
@@ -36,10 +40,13 @@ def export_camera(
     dof = data.dof
     lens_radius = 0.0
     if dof.use_dof:
-        lens_radius = data.lens * 1e-3 / (2.0 * max(dof.aperture_fstop, _MIN_FSTOP))
+        # Cycles counts the f-stop of an orthographic camera as if its lens were 1 m.
+        length = 1.0 if kind == "ORTHOGRAPHIC" else data.lens * 1e-3
+        lens_radius = length / (2.0 * max(dof.aperture_fstop, _MIN_FSTOP))
     return CameraData(
         width=size[0],
         height=size[1],
+        kind=kind,
         matrix=matrix,
         lens=data.lens,
         sensor_width=data.sensor_width,
@@ -47,6 +54,9 @@ def export_camera(
         sensor_fit=data.sensor_fit,
         shift_x=engine.camera_shift_x(camera) if engine is not None else data.shift_x,
         shift_y=data.shift_y,
+        ortho_scale=data.ortho_scale,
+        clip_start=data.clip_start,
+        clip_end=data.clip_end,
         pixel_aspect_x=scene.render.pixel_aspect_x,
         pixel_aspect_y=scene.render.pixel_aspect_y,
         lens_radius=lens_radius,

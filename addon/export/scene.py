@@ -11,7 +11,7 @@ from ..report import ExportError, ExportLog
 from .camera import export_camera
 from .instances import ExportCancelledError, add_objects
 from .materials import MaterialTable
-from .unsupported import warn_clipping, warn_missing, warn_scene
+from .unsupported import warn_missing, warn_scene
 from .world import world_radiance
 
 __all__ = ["ExportCancelledError", "export_scene", "image_size"]
@@ -38,8 +38,7 @@ def export_scene(
             "Stereoscopy off in the output properties"
         )
     builder = SceneBuilder(scene.name)
-    view = export_camera(camera, scene, image_size(scene), engine)
-    builder.set_camera(view)
+    builder.set_camera(export_camera(camera, scene, image_size(scene), engine))
     warn_scene(scene, layer, log)
     warn_missing(log)
     builder.set_world(world_radiance(layer.world_override or scene.world, log))
@@ -47,9 +46,7 @@ def export_scene(
     add_objects(builder, depsgraph, materials, log, stopped)
     if builder.dropped_faces:
         log.warn(f"{builder.dropped_faces} faces without an area are left out")
-    built = builder.build()
-    warn_clipping(camera, view, built.vertices, built.faces, log)
-    return built
+    return builder.build()
 
 
 def image_size(scene: Any) -> tuple[int, int]:

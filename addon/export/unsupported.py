@@ -8,11 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.scene.camera_data import CameraData
 from ..report import ExportLog
-
-#: Blender's clip start of a new camera [m]: only a larger one was chosen to cut something.
-_STOCK_CLIP_START = 0.1
 
 _RAYS = (
     "visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission",
@@ -102,42 +98,3 @@ def warn_scene(scene: Any, layer: Any, log: ExportLog) -> None:
         getattr(visibility, ray) for ray in ("camera", "diffuse", "glossy", "transmission")
     ):
         log.warn(f"world '{scene.world.name}': ray visibility is ignored")
-
-
-def warn_clipping(
-    camera: Any,
-    view: CameraData,
-    vertices: NDArray[np.float64],
-    faces: NDArray[np.int32],
-    log: ExportLog,
-) -> None:
-    """Warn when faces lie in view but nearer or farther than ``camera`` is set to show."""
-    axes = view.matrix[:3, :3] / np.linalg.norm(view.matrix[:3, :3], axis=0)
-    local = (vertices - view.matrix[:3, 3]) @ axes
-    depth = -local[:, 2]
-    # Wide enough for any fit of the sensor: a warning too many does less harm than none.
-    reach = max(view.sensor_width, view.sensor_height) / view.lens
-    reach *= 0.5 + max(abs(view.shift_x), abs(view.shift_y))
-    inside = [
-        depth > 0,
-        *(sign * local[:, axis] <= reach * depth for axis in (0, 1) for sign in (1, -1)),
-    ]
-    near, far = float(camera.data.clip_start), float(camera.data.clip_end)
-    if near > _STOCK_CLIP_START * 1.001 and _meets(faces, [*inside, depth < near]):
-        log.warn(
-            f"camera '{camera.name}': clip start {near:.4g} m is not supported yet and "
-            "ignored, nearer surfaces are seen"
-        )
-    if _meets(faces, [*inside, depth > far]):
-        log.warn(
-            f"camera '{camera.name}': clip end {far:.4g} m is not supported yet and ignored, "
-            "farther surfaces are seen"
-        )
-
-
-def _meets(faces: NDArray[np.int32], half_spaces: list[NDArray[np.bool_]]) -> bool:
-    """Whether some face lies wholly outside of none of ``half_spaces`` (each (V,))."""
-    some = np.ones(len(faces), np.bool_)
-    for holds in half_spaces:
-        some &= holds[faces].any(axis=1)
-    return bool(some.any())

@@ -20,7 +20,9 @@ def footprint(camera: Row, length: float) -> float:
     A pixel's width there, and the circle of confusion of the lens: a blurred place can be
     estimated with a larger disc.
     """
-    pixel = max(camera.step_x, camera.step_y) * length
+    pixel = max(camera.step_x, camera.step_y)
+    if not camera.orthographic:
+        pixel *= length
     blur = camera.lens_radius * abs(length - camera.focus_distance) / camera.focus_distance
     return math.sqrt(pixel * pixel + blur * blur)
 

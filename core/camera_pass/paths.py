@@ -13,6 +13,7 @@ from ..geometry.media import copy_media, cross_surface
 from ..geometry.vector import Vector, dot, read, scale, store, subtract, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR, pdf_emitter_hit, see_lamp
+from ..lights.mesh import face_normal
 from ..lights.selection import selection_probability
 from ..lights.world import pdf_world
 from ..sampling.rng import CAMERA, camera_2d, stream, uniform
@@ -55,14 +56,15 @@ def start_paths(
         pixel_key = stream(seed, CAMERA, -1, y * image_width + x)
         u_x, u_y = camera_2d(i, pixel_key, FILTER)
         u_lens, v_lens = camera_2d(i, pixel_key, LENS)
-        o, d = camera_ray(camera, x, y, u_x, u_y, u_lens, v_lens)
+        o, d, before, reach = camera_ray(camera, x, y, u_x, u_y, u_lens, v_lens)
         path = paths[k]
         path.key = key
         path.pixel_key = pixel_key
         path.slot = k
         path.depth = 0
         path.event = _CAMERA_BIT
-        path.length = 0.0
+        path.length = before
+        path.reach = reach
         path.pdf_w = 0.0
         store(path.beta, (1.0, 1.0, 1.0))
         store(path.direction, d)
@@ -114,9 +116,21 @@ def _see_lamps(path: Row, sample: Row, lights: Row, o: Vector, d: Vector, reach:
         if (lamp.visibility & path.event) == 0:
             continue
         t, radiance, pdf_w = see_lamp(lamp, o, d)
+        if path.event == _CAMERA_BIT and path.reach < t and t < FAR:
+            continue
         # A lamp may lie in the plane of the face that the ray hits.
         if 0.0 < t and t <= reach * (1.0 + 4.0 * OFFSET):
             _see_light(path, sample, lights, entry, radiance, pdf_w)
+
+
+@kernel
+def _is_clipped(path: Row, mesh: Row, face: int, o: Vector, d: Vector) -> bool:
+    """Whether the face lies farther than a camera ray may see."""
+    if path.event != _CAMERA_BIT or not path.reach < FAR:
+        return False
+    n = face_normal(mesh, face)
+    corner = read(mesh.vertices, mesh.faces[face, 0])
+    return dot(subtract(corner, o), n) / dot(d, n) > path.reach
 
 
 @kernel
@@ -246,7 +260,7 @@ def step_paths(
         sample = samples[path.slot]
         d = vector(path.direction)
         o = read(origins, k)
-        if hit_face[k] < 0:
+        if hit_face[k] < 0 or _is_clipped(path, mesh, hit_face[k], o, d):
             _see_lamps(path, sample, lights, o, d, FAR)
             _see_world(path, sample, lights, transparent)
             continue
@@ -258,6 +272,7 @@ def step_paths(
         row = mesh.material[face]
         _see_faces(path, sample, lights, mesh, materials, face, d, way)
         path.length += way
+        path.reach -= way
         if path.event == _CAMERA_BIT:
             _first_hit(sample, camera, p, ns)
         rough, smooth = lobe_weights(materials[row], lobes)

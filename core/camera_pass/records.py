@@ -9,7 +9,8 @@ from ..geometry.media import STACK
 _MEDIA = [("media_count", "i4"), ("media", "i4", STACK)]
 
 #: A camera path on a specular chain. ``slot``: its row among the chunk's samples; ``event``:
-#: ``Visibility`` bit of its last event; ``length``: way from the lens [m]. A final-gather
+#: ``Visibility`` bit of its last event; ``length``: way from the lens, ``reach``:
+#: how far a camera ray sees from where it starts [m]. A final-gather
 #: path also knows where it left (``origin``, ``normal``) and with which ``pdf_w``.
 PATH = np.dtype(
     [
@@ -21,6 +22,7 @@ PATH = np.dtype(
         ("beta", "f8", 3),
         ("direction", "f8", 3),
         ("length", "f8"),
+        ("reach", "f8"),
         ("origin", "f8", 3),
         ("normal", "f8", 3),
         ("pdf_w", "f8"),

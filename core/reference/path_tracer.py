@@ -90,8 +90,8 @@ def _trace_line(
         for _ in range(samples):
             light[:] = 0.0
             stack[:] = media
-            origin, direction = primary_ray(camera, column, line, stream)
-            walk(s, origin, direction, stack, scratch, stream, light)
+            origin, direction, far = primary_ray(camera, column, line, stream)
+            walk(s, origin, direction, far, stack, scratch, stream, light)
             for c in range(3):
                 for layer in range(LAYERS):
                     light[LAYERS, c] += light[layer, c]

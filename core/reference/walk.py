@@ -42,9 +42,12 @@ def _add(light: Floats, layer: int, rgb: Vec) -> None:
 
 @kernel
 def walk(
-    s: Flat, o: Vec, d: Vec, stack: Stack, scratch: Stack, stream: Stream, light: Floats
-) -> None:
+    s: Flat, o: Vec, d: Vec, far: float, stack: Stack, scratch: Stack, stream: Stream,
+    light: Floats,
+) -> None:  # fmt: skip
     """Add the radiance that arrives at ``o`` from ``d`` to ``light`` (LAYERS + 1, 3).
+
+    The first ray sees things up to ``far``.
 
     ``beta`` is the throughput without the radiance scale (n_i / n_t)^2, kept in ``scale``:
     roulette must not judge a path by the medium it happens to be in.
@@ -53,7 +56,8 @@ def walk(
     diffuse, chain, ray_kind, skip, pdf = 0, 0, _CAMERA, -1, 0.0
     bounce = 0
     while True:
-        t, face, u, v = closest(s, o, d, skip, math.inf)
+        reach = far if bounce == 0 else math.inf
+        t, face, u, v = closest(s, o, d, skip, reach)
         layer = _layer(diffuse, chain)
         sampled = diffuse > 0 and chain == 0
         if not sampled:

@@ -11,16 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from .camera_data import CameraData
 from .image_tables import ImageTables, stacked_uvs
+from .light_builder import LightBuilder, rgb
 from .scene import Scene, SceneError
 from .tables import (
     CLOSURE,
-    LIGHT,
     LOBE,
     MATERIAL,
     Fresnel,
-    LightKind,
     Model,
-    Visibility,
 )
 
 
@@ -45,45 +43,30 @@ class Lobe:
 
 def diffuse(color: ArrayLike) -> Lobe:
     """Lambertian reflection of albedo ``color`` (number or (3,))."""
-    return Lobe(Model.DIFFUSE, _rgb(color))
+    return Lobe(Model.DIFFUSE, rgb(color))
 
 
 def phong(color: ArrayLike, exponent: float) -> Lobe:
     """Energy-normalised Phong lobe around the mirror direction."""
-    return Lobe(Model.PHONG, _rgb(color), exponent=float(exponent))
+    return Lobe(Model.PHONG, rgb(color), exponent=float(exponent))
 
 
 def mirror(color: ArrayLike = 1.0) -> Lobe:
     """Smooth conductor of constant reflectivity ``color``."""
-    return Lobe(Model.CONDUCTOR, _rgb(color))
+    return Lobe(Model.CONDUCTOR, rgb(color))
 
 
 def dielectric(ior: float, color: ArrayLike = 1.0) -> Lobe:
     """Smooth dielectric with Fresnel reflection and refraction, tinted by ``color``."""
-    return Lobe(Model.DIELECTRIC, _rgb(color), ior=float(ior))
+    return Lobe(Model.DIELECTRIC, rgb(color), ior=float(ior))
 
 
 def refraction(ior: float, color: ArrayLike = 1.0) -> Lobe:
     """Refraction alone: no Fresnel weight, black at total internal reflection."""
-    return Lobe(Model.REFRACTION, _rgb(color), ior=float(ior))
+    return Lobe(Model.REFRACTION, rgb(color), ior=float(ior))
 
 
-def _rgb(color: ArrayLike) -> tuple[float, float, float]:
-    rgb = np.broadcast_to(np.asarray(color, dtype=np.float64), (3,))
-    return float(rgb[0]), float(rgb[1]), float(rgb[2])
-
-
-def _axes(matrix: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Unit axes (rows: x, y, z) and position of a (4, 4) object-to-world matrix."""
-    m = np.asarray(matrix, dtype=np.float64)
-    axes = m[:3, :3].T.copy()
-    length = np.linalg.norm(axes, axis=1)
-    if not np.isfinite(length).all() or (length == 0).any():
-        raise SceneError("a light's matrix is not invertible; check its scale")
-    return axes / length[:, None], m[:3, 3].copy()
-
-
-class SceneBuilder:
+class SceneBuilder(LightBuilder):
     """Collects meshes, materials, lights and the camera; ``build`` freezes them.
 
     Faces that are degenerate (zero area, NaN or infinite corner) are dropped and counted
@@ -107,9 +90,7 @@ class SceneBuilder:
         self._closures: list[np.void] = []
         self._material_names: list[str] = []
         self._lobes: list[tuple] = []
-        self._lights: list[tuple] = []
-        self._light_names: list[str] = []
-        self._world = np.zeros(3)
+        super().__init__()
         self._camera: CameraData | None = None
 
     def add_material(
@@ -134,7 +115,7 @@ class SceneBuilder:
             "lobe_count": len(lobes),
             "closure_start": len(self._closures),
             "closure_count": len(closures),
-            "emission": _rgb(emission),
+            "emission": rgb(emission),
             "ior": iors[0] if iors else 0.0,
             "passes": any(b.model == Model.TRANSPARENT for b in lobes),
             "normal_texture": -1,
@@ -194,93 +175,6 @@ class SceneBuilder:
         self._objects.append(name)
         self._vertex_count += len(points)
 
-    def add_point_light(
-        self,
-        name: str,
-        position: ArrayLike,
-        intensity: ArrayLike,
-        radius: float = 0.0,
-        visibility: Visibility = Visibility.ALL,
-    ) -> None:
-        """A point or sphere of ``radius`` with radiant ``intensity`` [W/sr] per channel."""
-        self._add_light(
-            name, LightKind.POINT, np.eye(3), position, intensity, visibility, radius=radius
-        )
-
-    def add_spot_light(
-        self,
-        name: str,
-        matrix: ArrayLike,
-        intensity: ArrayLike,
-        half_angle: float,
-        blend: float = 0.0,
-        radius: float = 0.0,
-        visibility: Visibility = Visibility.ALL,
-    ) -> None:
-        """A cone of ``half_angle`` [rad] along -Z with axial ``intensity`` [W/sr]."""
-        axes, position = _axes(matrix)
-        self._add_light(
-            name, LightKind.SPOT, axes, position, intensity, visibility,
-            radius=radius, cos_outer=float(np.cos(half_angle)), blend=blend,
-        )  # fmt: skip
-
-    def add_sun_light(
-        self,
-        name: str,
-        matrix: ArrayLike,
-        irradiance: ArrayLike,
-        angle: float = 0.0,
-        visibility: Visibility = Visibility.ALL,
-    ) -> None:
-        """Light along -Z with ``irradiance`` [W/m^2] on a facing plane, disc of ``angle``."""
-        axes, position = _axes(matrix)
-        self._add_light(
-            name, LightKind.SUN, axes, position, irradiance, visibility, angle=angle
-        )
-
-    def add_area_light(
-        self,
-        name: str,
-        matrix: ArrayLike,
-        radiance: ArrayLike,
-        size_x: float,
-        size_y: float,
-        disk: bool = False,
-        visibility: Visibility = Visibility.ALL,
-    ) -> None:
-        """A one-sided Lambertian rectangle or ellipse shining along -Z."""
-        axes, position = _axes(matrix)
-        if not (size_x > 0 and size_y > 0):
-            raise SceneError(f"light '{name}': an area light needs a size above 0")
-        kind = LightKind.DISK if disk else LightKind.RECTANGLE
-        self._add_light(
-            name, kind, axes, position, radiance, visibility, size_x=size_x, size_y=size_y
-        )
-
-    def _add_light(
-        self,
-        name: str,
-        kind: LightKind,
-        axes: NDArray[np.float64],
-        position: ArrayLike,
-        emission: ArrayLike,
-        visibility: Visibility,
-        **shape: float,
-    ) -> None:
-        point = tuple(np.asarray(position, dtype=np.float64))
-        sizes = [
-            float(shape.get(key, 0.0))
-            for key in ("size_x", "size_y", "radius", "angle", "cos_outer", "blend")
-        ]
-        self._lights.append(
-            (int(kind), int(visibility), point, *map(tuple, axes), _rgb(emission), *sizes)
-        )
-        self._light_names.append(name)
-
-    def set_world(self, radiance: ArrayLike) -> None:
-        """Uniform radiance of the surroundings [W/(m^2 sr)]."""
-        self._world = np.array(_rgb(radiance))
-
     def set_camera(self, camera: CameraData) -> None:
         """The camera to render with."""
         self._camera = camera
@@ -299,12 +193,10 @@ class SceneBuilder:
             uvs=stacked_uvs(self._uvs),
             **self.pictures.arrays(),
             lobes=np.array(self._lobes, dtype=LOBE),
-            lights=np.array(self._lights, dtype=LIGHT),
-            world=self._world.copy(),
+            **self.light_tables(),
             camera=self._camera,
             object_names=tuple(self._objects),
             material_names=tuple(self._material_names),
-            light_names=tuple(self._light_names),
         )
 
 

@@ -20,6 +20,7 @@ from .tables import (
     ImageKind,
     LightKind,
     Model,
+    Visibility,
 )
 
 
@@ -42,7 +43,11 @@ class Scene:
     texels8         (N, 4) uint8, texels32 (N, 4) float32: what the images show
     uvs             (K, F, 3, 2) float32 texture coordinates of K sets, per face corner
     lights          (N,) ``tables.LIGHT``: the lamps; emissive faces come by material
-    world           (3,) float64 radiance of the uniform surroundings
+    world           (3,) float64 radiance of the surroundings, or what ``world_map`` is times
+    world_map       (h, w, 3) float32 seen all around, equirectangular: columns by
+                    0.5 - atan2(y, x) / (2 pi), rows from straight down to straight up
+    world_rotation  (3, 3) float64 takes a direction to that of the map
+    world_visibility  (1,) int32 ``tables.Visibility`` bits of the surroundings
     luminance       (3,) float64 weights of the channels, summing to 1
 
     Raises ``SceneError`` at construction when a table contradicts another.
@@ -68,6 +73,13 @@ class Scene:
     texels8: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 4), np.uint8))
     texels32: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 4), np.float32))
     uvs: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 0, 3, 2), np.float32))
+    world_map: NDArray[np.float32] = field(
+        default_factory=lambda: np.zeros((0, 0, 3), np.float32)
+    )
+    world_rotation: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+    world_visibility: NDArray[np.int32] = field(
+        default_factory=lambda: np.array([int(Visibility.ALL)], np.int32)
+    )
     object_names: tuple[str, ...] = ()
     material_names: tuple[str, ...] = ()
     light_names: tuple[str, ...] = ()
@@ -94,6 +106,9 @@ def check_scene(scene: Scene) -> None:
         "lobes": ((len(scene.lobes),), LOBE),
         "lights": ((len(scene.light_names),), LIGHT),
         "world": ((3,), np.dtype("f8")),
+        "world_map": ((*scene.world_map.shape[:2], 3), np.dtype("f4")),
+        "world_rotation": ((3, 3), np.dtype("f8")),
+        "world_visibility": ((1,), np.dtype("i4")),
         "luminance": ((3,), np.dtype("f8")),
         "closures": ((len(scene.closures),), CLOSURE),
         "textures": ((len(scene.textures),), TEXTURE),
@@ -123,9 +138,8 @@ def check_scene(scene: Scene) -> None:
             f"scene '{scene.name}': a vertex is NaN or infinite; build scenes with "
             "SceneBuilder, which drops such faces and counts them"
         )
-    if not np.isfinite(scene.world).all() or (scene.world < 0).any():
-        raise SceneError(f"scene '{scene.name}': the world's radiance must be at least 0")
     _check_pictures(scene)
+    _check_world(scene)
     _check_materials(scene)
     _check_lights(scene)
     _check_camera(scene)
@@ -153,6 +167,16 @@ def _check_pictures(scene: Scene) -> None:
     counts = scene.closures["factor_count"]
     if counts.size and (counts.min() < 0 or counts.max() > MOST_FACTORS):
         raise SceneError(f"scene '{scene.name}': a closure has too many mix factors")
+
+
+def _check_world(scene: Scene) -> None:
+    if not np.isfinite(scene.world).all() or (scene.world < 0).any():
+        raise SceneError(f"scene '{scene.name}': the world's radiance must be at least 0")
+    if not np.isfinite(scene.world_map).all() or (scene.world_map < 0).any():
+        raise SceneError(f"scene '{scene.name}': the world's map must be finite, at least 0")
+    turn = scene.world_rotation
+    if not np.allclose(turn @ turn.T, np.eye(3), atol=1e-6):
+        raise SceneError(f"scene '{scene.name}': the world's rotation turns and scales")
 
 
 def _check_materials(scene: Scene) -> None:
@@ -194,6 +218,8 @@ def _check_lights(scene: Scene) -> None:
         if row["kind"] in (LightKind.RECTANGLE, LightKind.DISK):
             if not (row["size_x"] > 0 and row["size_y"] > 0):
                 raise SceneError(f"light '{name}': an area light needs a size above 0")
+            if not 0 < row["spread"] <= np.pi * (1 + 1e-6):
+                raise SceneError(f"light '{name}': its spread must be above 0, at most pi")
 
 
 def _check_camera(scene: Scene) -> None:
@@ -202,8 +228,15 @@ def _check_camera(scene: Scene) -> None:
         return
     if camera.width < 1 or camera.height < 1:
         raise SceneError(f"camera: size {camera.width}x{camera.height} has no pixel")
+    if camera.kind not in ("PERSPECTIVE", "ORTHOGRAPHIC"):
+        raise SceneError(f"camera: kind {camera.kind} is unknown")
+    if not 0 <= camera.clip_start < camera.clip_end:
+        raise SceneError(
+            f"camera: clip_start {camera.clip_start} must be at least 0 and below "
+            f"clip_end {camera.clip_end}"
+        )
     positive = (
-        "lens", "sensor_width", "sensor_height", "focus_distance", "blade_ratio",
+        "ortho_scale", "lens", "sensor_width", "sensor_height", "focus_distance", "blade_ratio",
         "pixel_aspect_x", "pixel_aspect_y",
     )  # fmt: skip
     for name in positive:

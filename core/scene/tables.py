@@ -219,12 +219,18 @@ IMAGE = np.dtype(
 #: One lamp. It shines along ``-axis_z``; ``axis_x`` carries ``size_x``, ``axis_y``
 #: ``size_y`` (full sizes). ``emission`` per channel means, by kind: POINT and SPOT radiant
 #: intensity on the axis [W/sr], SUN irradiance on a facing plane [W/m^2], RECTANGLE and
-#: DISK radiance [W/(m^2 sr)]. ``angle``: SUN full diameter [rad]; ``cos_outer`` and
-#: ``blend``: SPOT cone; ``visibility``: ``Visibility`` bits.
+#: DISK radiance along the axis times ``spread``'s share, so that it stays the mean over the
+#: hemisphere [W/(m^2 sr)]. ``angle``: SUN full diameter [rad]; ``spread``: RECTANGLE and
+#: DISK full angle of the slats [rad], pi without; ``cos_outer`` and ``blend``: SPOT cone,
+#: stretched by ``size_x`` and ``size_y``; ``soft``: POINT and SPOT of a radius are discs that
+#: face who looks, not spheres; ``shadow``: 0 when nothing blocks its direct light;
+#: ``visibility``: ``Visibility`` bits.
 LIGHT = np.dtype(
     [
         ("kind", "i4"),
         ("visibility", "i4"),
+        ("soft", "i4"),
+        ("shadow", "i4"),
         ("position", "f8", 3),
         ("axis_x", "f8", 3),
         ("axis_y", "f8", 3),
@@ -234,6 +240,7 @@ LIGHT = np.dtype(
         ("size_y", "f8"),
         ("radius", "f8"),
         ("angle", "f8"),
+        ("spread", "f8"),
         ("cos_outer", "f8"),
         ("blend", "f8"),
     ],

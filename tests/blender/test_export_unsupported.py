@@ -41,18 +41,6 @@ def test_glass_that_is_no_closed_body(bpy: Any) -> None:
     assert warnings(bpy).endswith("inside of it: object 'Pane'")
 
 
-def test_clipping(bpy: Any) -> None:
-    camera = add_camera(bpy, (0.0, 0.0, 5.0))
-    add_cube(bpy, "Cube")
-    camera.data.clip_start, camera.data.clip_end = 3.0, 7.0
-    assert warnings(bpy) == ""
-    camera.data.clip_start, camera.data.clip_end = 4.5, 5.0
-    assert "clip start 4.5 m" in warnings(bpy)
-    assert "clip end 5 m" in warnings(bpy)
-    camera.location.x = 20.0
-    assert warnings(bpy) == "", "nothing in view"
-
-
 def test_switches_of_the_scene_and_its_view_layer(bpy: Any) -> None:
     add_camera(bpy)
     bpy.context.scene.render.use_motion_blur = True
