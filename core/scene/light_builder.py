@@ -32,7 +32,7 @@ class LightBuilder:
     """Collects lamps and the world."""
 
     def __init__(self) -> None:
-        self._lights: list[np.void] = []
+        self._lights: list[Any] = []
         self._light_names: list[str] = []
         self._world = np.zeros(3)
         self._world_map = np.zeros((0, 0, 3), np.float32)
@@ -143,7 +143,7 @@ class LightBuilder:
         }
         for field_name, value in values.items():
             row[field_name] = value
-        self._lights.append(row[()])
+        self._lights.append(row)
         self._light_names.append(name)
 
     def set_world(
