@@ -181,6 +181,7 @@ class SceneBuilder(LightBuilder):
 
     def build(self) -> Scene:
         """The frozen scene; raises ``SceneError`` when something does not fit."""
+        others: dict[str, Any] = {**self.pictures.arrays(), **self.light_tables()}
         return Scene(
             name=self.name,
             vertices=_stack(self._vertices, (0, 3), np.float64),
@@ -191,12 +192,11 @@ class SceneBuilder(LightBuilder):
             materials=np.array(self._materials, dtype=MATERIAL),
             closures=np.array(self._closures, dtype=CLOSURE),
             uvs=stacked_uvs(self._uvs),
-            **self.pictures.arrays(),
             lobes=np.array(self._lobes, dtype=LOBE),
-            **self.light_tables(),
             camera=self._camera,
             object_names=tuple(self._objects),
             material_names=tuple(self._material_names),
+            **others,
         )
 
 

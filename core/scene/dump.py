@@ -28,9 +28,10 @@ FORMAT_VERSION = 2
 _NAMES = ("object_names", "material_names", "light_names")
 _ARRAYS = tuple(f.name for f in fields(Scene) if f.name not in ("name", "camera", *_NAMES))
 
-#: What NumPy, zipfile and json raise on a file that is not what it says.
+#: What NumPy, zipfile and json raise on a file that is not what it says (OSError: a seek to a
+#: place before its start).
 _BROKEN = (
-    zipfile.BadZipFile, zlib.error, EOFError, KeyError, MemoryError, NotImplementedError,
+    zipfile.BadZipFile, zlib.error, EOFError, KeyError, MemoryError, NotImplementedError, OSError,
     RuntimeError, TypeError, ValueError,
 )  # fmt: skip
 
