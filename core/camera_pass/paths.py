@@ -152,7 +152,8 @@ def _first_hit(sample: Row, camera: Row, p: Vector, ns: Vector) -> None:
     sample.hit = 1.0
     sample.alpha = 1.0
     eye = subtract(p, read(camera.position.reshape(1, 3), 0))
-    sample.depth = dot(eye, read(camera.axes, 2))
+    # A camera on a face meets it at 0, give or take a rounding error.
+    sample.depth = max(0.0, dot(eye, read(camera.axes, 2)))
     store(sample.normal, ns)
 
 

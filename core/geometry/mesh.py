@@ -31,16 +31,26 @@ class Centre(NamedTuple):
     radius: float
 
 
-def centre_of(scene: Scene) -> Centre:
-    """Middle of the scene's box (lights and camera left out) and its bounding radius.
+#: Median edge, relative to the scene's radius, below which the origin goes to the detail:
+#: float32 would tilt such faces by more than 0.004 rad at the rim of the scene.
+_FINE = 3e-5
 
-    Float32 keeps 7 digits: rays must be cut near the origin, wherever the scene stands.
+
+def centre_of(scene: Scene) -> Centre:
+    """Where rays are cut near the origin: float32 keeps 7 digits, wherever the scene stands.
+
+    That is the middle of the scene's box (lights and camera left out); where most faces
+    are tiny in a wide scene, the median of the vertices, which is among them. The radius
+    bounds the scene about that point.
     """
     if len(scene.faces) == 0:
         return Centre(np.zeros(3), 1.0)
     used = scene.vertices[np.unique(scene.faces)]
     low, high = used.min(axis=0), used.max(axis=0)
     origin = (low + high) / 2
+    edge = scene.vertices[scene.faces[:, 1]] - scene.vertices[scene.faces[:, 0]]
+    if np.median(np.linalg.norm(edge, axis=1)) < _FINE * np.linalg.norm(high - low) / 2:
+        origin = np.median(used, axis=0)
     radius = float(np.sqrt(((used - origin) ** 2).sum(axis=1).max()))
     return Centre(origin, radius if radius > 0 else 1.0)
 

@@ -201,8 +201,10 @@ class SceneBuilder(LightBuilder):
 
 
 def _lobe_row(lobe: Lobe) -> tuple:
+    # Black to every eye, and denormal numbers would divide to NaN: 0 is what it means.
+    weight = tuple(w if abs(w) >= 1e-30 else 0.0 for w in lobe.weight)
     return (
-        int(lobe.model), int(lobe.fresnel), lobe.weight, _share(lobe), lobe.ior,
+        int(lobe.model), int(lobe.fresnel), weight, _share(lobe), lobe.ior,
         lobe.exponent, lobe.roughness, lobe.ior, lobe.f0, lobe.f90,
     )  # fmt: skip
 

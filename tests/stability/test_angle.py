@@ -1,0 +1,116 @@
+"""The critical angle and grazing incidence to 1e-6 rad."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from photon_map.core import Settings
+from photon_map.core.photon_pass import Batch, trace_batch
+from photon_map.core.prepared import prepare
+from photon_map.core.scene.builder import SceneBuilder, dielectric, diffuse, mirror
+from photon_map.tests import scenes
+from photon_map.tests.stability.support import film_of, shot
+from photon_map.tests.stability.test_index import reflectance
+
+#: Narrow enough that all rays of a pixel have one angle.
+NARROW = 1e-10
+
+
+def looking(theta: float, up: float, distance: float = 1.0, size: int = 2):
+    """A camera at ``distance`` from the origin that looks at it ``theta`` off the z axis."""
+    eye = (distance * np.sin(theta), 0.0, up * distance * np.cos(theta))
+    return scenes.camera(eye, (0, 0, 0), size, size, up=(0, 1, 0), fov=NARROW)
+
+
+@pytest.mark.parametrize("gap", [-1e-3, -1e-6, 1e-6, 1e-3])
+def test_critical_angle_seen_from_inside_glass(gap):
+    """Above it all is black; below, what comes in is n^2 (1 - F) of the glowing sky."""
+    n = 1.5
+    b = SceneBuilder("half space")
+    box = scenes.box((-50, -50, -50), (50, 50, 0))
+    b.add_mesh("water", *box, b.add_material("water", [dielectric(n)]))
+    # What is reflected ends on a black plate in the water.
+    b.add_mesh("plate", *scenes.plane(49.0, -9.0), b.add_material("black", []))
+    b.set_world(1.0)
+    theta = np.arcsin(1 / n) + gap
+    b.set_camera(looking(theta, -1.0))
+    found = shot(b.build(), passes=1024)["emission"].mean()
+    if gap > 0:
+        assert found == 0.0
+        return
+    c, s = np.cos(theta), n * np.sin(theta)
+    t = np.sqrt(1 - s * s)
+    f = (((n * c - t) / (n * c + t)) ** 2 + ((c - n * t) / (c + n * t)) ** 2) / 2
+    expected = n * n * (1 - f)
+    # Each path brings n^2 or nothing: 4096 * 4 paths in sequences.
+    spread = n * n * np.sqrt(f * (1 - f) / (4 * 1024))
+    assert abs(found - expected) < 3.3 * spread + 1e-5
+
+
+@pytest.mark.parametrize("gap", [-1e-6, 0.0, 1e-6])
+def test_photons_at_the_critical_angle_keep_their_flux(gap):
+    """Sun into the side of a bar, then on its underside at the critical angle."""
+    n = 1.3
+    b = SceneBuilder("bar")
+    b.add_mesh("bar", *scenes.box((-0.5, -0.5, 0), (0.5, 0.5, 1)),
+               b.add_material("glass", [dielectric(n)]))  # fmt: skip
+    grey = b.add_material("grey", [diffuse(0.5)])
+    b.add_mesh("room", *scenes.box((-2, -2, -1), (2, 2, 2)), grey)
+    # Inside: sin(theta) = 1 / n from the vertical, so cos(theta) is the sine off x.
+    inside = np.arcsin(1 / n) + gap
+    alpha = np.arcsin(n * np.cos(inside))
+    beam = (-np.cos(alpha), 0.0, -np.sin(alpha))
+    b.add_spot_light("beam", scenes.look_at(-0.9 * np.array(beam) + (0.5, 0, 0.5),
+                                            (0.5, 0, 0.5)), 1000.0, 1e-7)  # fmt: skip
+    b.set_camera(scenes.camera((-1.5, -1.5, 1.5), (0, 0, 0), 8, 8, fov=1.0))
+    film = film_of(b.build(), photon_depth=64, passes=2)
+    assert film.statistics.photons_stored > 0
+    assert film.resolve("caustics").max() < 1e12
+
+
+@pytest.mark.parametrize("grazing", [1e-2, 1e-4, 1e-6])
+def test_a_grazing_sun_lights_a_floor_by_its_sine(grazing):
+    b = scenes.floor_scene([diffuse(0.8)], size=4, height=1.0)
+    b.add_sun_light(
+        "sun", scenes.look_at((np.cos(grazing), 0, np.sin(grazing)), (0, 0, 0)), 3.0
+    )
+    found = shot(b.build())["direct"]
+    np.testing.assert_allclose(found, 0.8 / np.pi * 3 * np.sin(grazing), rtol=1e-4)
+
+
+@pytest.mark.parametrize("grazing", [1e-2, 1e-4, 1e-6])
+def test_a_view_that_grazes_glass(grazing):
+    """Sky above, black below: the slab's top shows F of the sky."""
+    b = SceneBuilder("grazing")
+    b.add_mesh("water", *scenes.box((-5, -5, -1), (5, 5, 0)),
+               b.add_material("water", [dielectric(1.5)]))  # fmt: skip
+    b.add_mesh("cellar", *scenes.box((-6, -6, -2), (6, 6, -1e-3)), b.add_material("b", []))
+    b.set_world(1.0)
+    theta = np.pi / 2 - grazing
+    b.set_camera(looking(theta, 1.0))
+    found = shot(b.build(), passes=256)["emission"].mean()
+    f = reflectance(theta, 1.5)
+    assert abs(found - f) < 3.3 * np.sqrt(f * (1 - f) / 1024) + 1e-5
+
+
+@pytest.mark.parametrize("grazing", [1e-2, 1e-4, 1e-6])
+def test_a_beam_that_grazes_a_mirror_keeps_its_flux(grazing):
+    """Sun almost along a mirror: what it catches lands on the wall that ends it."""
+    b = SceneBuilder("grazing mirror")
+    b.add_mesh("mirror", *scenes.quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)),
+               b.add_material("silver", [mirror(1.0)]))  # fmt: skip
+    wall = scenes.quad((1, -2, -1), (1, -2, 1), (1, 2, 1), (1, 2, -1))
+    b.add_mesh("wall", *wall, b.add_material("grey", [diffuse(0.5)]))
+    beam = (-np.cos(grazing), 0.0, np.sin(grazing))
+    b.add_sun_light("sun", scenes.look_at(beam, (0, 0, 0)), 3.0)
+    b.set_camera(scenes.camera((-2, 0, 0.2), (1, 0, 0), 8, 8, fov=0.8))
+    scene, settings = b.build(), Settings()
+    shot(scene)
+    prepared, emitted = prepare(scene, settings), 400_000
+    walk = trace_batch(prepared, settings, 0, Batch(True, 0, emitted, emitted))
+    flux = walk.photons["flux"][:, 0].sum(dtype=np.float64)
+    # The aim is the disc around the mirror, 2 pi m^2 across the beam.
+    expected, caught = 3 * 4 * np.sin(grazing), emitted * 4 * np.sin(grazing) / (2 * np.pi)
+    # 5 standard deviations of the count; stratified points scatter less.
+    assert abs(flux - expected) <= expected * (5 / np.sqrt(caught) + 1e-5)
