@@ -2,8 +2,9 @@
 
 Cosines c stand at (i / (n - 1))^2, widths at alpha = (i / (n - 1))^2 as Blender's roughness
 does, relative indices by z = sqrt(|eta - 1| / (eta + 1)). The integral over the visible
-normals takes the points that the sampling would take: midpoints in both of its numbers,
-half a turn in azimuth, because both halves are alike.
+normals runs over the two numbers of their sampling: midpoints over half a turn, because
+both halves are alike, and over the height v = 1 - (1 - x)^3, closer together towards the
+long tail of GGX, which holds what narrow lobes lose.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from ..geometry.vector import dot
 from ..jit import Row, Table, kernel
 from .fresnel import fresnel_dielectric, fresnel_rise, reflect, refract
 from .microfacet import sample_visible_normal, shadowing_given_masking
+from .sheen_table import sheen_table
 
 _FINE = 32
 _COARSE = 16
@@ -33,21 +35,24 @@ class AlbedoTables(NamedTuple):
     """Albedos by width, cosine and index; ``rise`` and ``glass`` for eta above 1 and below.
 
     ``ggx`` (alpha, c): reflectance 1. ``ggx_mean`` (alpha,): its cosine-weighted mean.
-    ``rise`` (2, z, alpha, c): GGX times ``fresnel_rise``. ``glass`` (2, z, alpha, c): what
-    rough glass reflects and transmits together.
+    ``rise`` (2, z, alpha, c): mean of ``fresnel_rise`` over the visible facets, those that
+    reflect downwards counted as 0 (as Cycles weighs them).
+    ``glass`` (2, z, alpha, c): what rough glass reflects and transmits together, and
+    ``glass_mean`` (2, z, alpha) its cosine-weighted mean.
     """
 
     ggx: NDArray[np.float64]
     ggx_mean: NDArray[np.float64]
     rise: NDArray[np.float64]
     glass: NDArray[np.float64]
+    glass_mean: NDArray[np.float64]
+    sheen: NDArray[np.float64]
 
 
 def no_albedo_tables() -> AlbedoTables:
     """Tables for scenes that look nothing up."""
-    return AlbedoTables(
-        np.ones((2, 2)), np.ones(2), np.zeros((2, 2, 2, 2)), np.ones((2, 2, 2, 2))
-    )
+    ones = np.ones((2, 2, 2, 2))
+    return AlbedoTables(ones[0, 0], ones[0, 0, 0], 0.0 * ones, ones, ones[0], ones[0])
 
 
 def albedo_tables() -> AlbedoTables:
@@ -57,11 +62,16 @@ def albedo_tables() -> AlbedoTables:
     glass = np.zeros((2, _COARSE, _COARSE, _COARSE))
     _fill_ggx(ggx)
     _fill_fresnel(rise, glass)
-    # With c = x^2 the mean's 2 c dc is 4 x^3 dx.
+    return AlbedoTables(ggx, _mean(ggx), rise, glass, _mean(glass), sheen_table())
+
+
+def _mean(table: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cosine-weighted mean over the last axis: with c = x^2 its 2 c dc is 4 x^3 dx."""
     x = (np.arange(1024) + 0.5) / 1024
-    nodes = np.linspace(0.0, 1.0, _FINE)
-    mean = [float((np.interp(x, nodes, row) * 4.0 * x**3).mean()) for row in ggx]
-    return AlbedoTables(ggx, np.array(mean), rise, glass)
+    nodes = np.linspace(0.0, 1.0, table.shape[-1])
+    rows = table.reshape(-1, table.shape[-1])
+    mean = [float((np.interp(x, nodes, row) * 4.0 * x**3).mean()) for row in rows]
+    return np.reshape(mean, table.shape[:-1])
 
 
 @kernel
@@ -78,6 +88,15 @@ def _eta_at(i: int, count: int, inverse: bool) -> float:
 
 
 @kernel
+def _height(b: int) -> tuple[float, float]:
+    """Place ``b`` of the heights, and its weight among all points."""
+    x = 1.0 - (b + 0.5) / _HEIGHTS
+    far = 1.0 - b / _HEIGHTS
+    near = 1.0 - (b + 1.0) / _HEIGHTS
+    return 1.0 - x * x * x, (far * far * far - near * near * near) / _TURNS
+
+
+@kernel
 def _fill_ggx(table: Table) -> None:
     n = (0.0, 0.0, 1.0)
     count = table.shape[0]
@@ -89,12 +108,12 @@ def _fill_ggx(table: Table) -> None:
             total = 0.0
             for a in range(_TURNS):
                 for b in range(_HEIGHTS):
-                    u = 0.5 * (a + 0.5) / _TURNS
-                    h = sample_visible_normal(n, wo, alpha, u, (b + 0.5) / _HEIGHTS)
+                    v, part = _height(b)
+                    h = sample_visible_normal(n, wo, alpha, 0.5 * (a + 0.5) / _TURNS, v)
                     wi = reflect(wo, h)
                     if wi[2] > 0.0:
-                        total += shadowing_given_masking(c, wi[2], alpha)
-            table[i, j] = total / (_TURNS * _HEIGHTS)
+                        total += part * shadowing_given_masking(c, wi[2], alpha)
+            table[i, j] = total
 
 
 @kernel
@@ -108,8 +127,8 @@ def _fill_fresnel(rise: Table, glass: Table) -> None:
             wo = (math.sqrt(max(0.0, 1.0 - c * c)), 0.0, c)
             for a in range(_TURNS):
                 for b in range(_HEIGHTS):
-                    u = 0.5 * (a + 0.5) / _TURNS
-                    h = sample_visible_normal(n, wo, alpha, u, (b + 0.5) / _HEIGHTS)
+                    v, part = _height(b)
+                    h = sample_visible_normal(n, wo, alpha, 0.5 * (a + 0.5) / _TURNS, v)
                     cos_h = dot(wo, h)
                     wi = reflect(wo, h)
                     kept = 0.0
@@ -119,15 +138,13 @@ def _fill_fresnel(rise: Table, glass: Table) -> None:
                         eta = _eta_at(k % count, count, k >= count)
                         f, cos_t = fresnel_dielectric(cos_h, eta)
                         side = k // count
-                        rise[side, k % count, i, j] += kept * fresnel_rise(cos_h, eta)
+                        if wi[2] > 0.0:
+                            rise[side, k % count, i, j] += part * fresnel_rise(cos_h, eta)
                         energy = f * kept
                         below = -refract(wo, h, eta, cos_t)[2]
                         if f < 1.0 and below > 0.0:
                             energy += (1.0 - f) * shadowing_given_masking(c, below, alpha)
-                        glass[side, k % count, i, j] += energy
-    for t in (rise, glass):
-        for k in range(t.shape[0]):
-            t[k] /= _TURNS * _HEIGHTS
+                        glass[side, k % count, i, j] += part * energy
 
 
 @kernel
@@ -162,15 +179,33 @@ def albedo_ggx(tables: Row, alpha: float, cosine: float) -> float:
 
 
 @kernel
-def albedo_rise(tables: Row, alpha: float, cosine: float, eta: float) -> float:
-    """Albedo of the GGX lobe whose reflectance is ``fresnel_rise``."""
+def mean_rise(tables: Row, alpha: float, cosine: float, eta: float) -> float:
+    """Mean of ``fresnel_rise`` over the visible facets of a GGX surface."""
     return _read_3d(tables.rise, alpha, cosine, eta)
 
 
 @kernel
-def albedo_glass(tables: Row, alpha: float, cosine: float, eta: float) -> float:
+def _albedo_glass(tables: Row, alpha: float, cosine: float, eta: float) -> float:
     """Albedo of colourless rough glass, reflection and transmission together."""
     return _read_3d(tables.glass, alpha, cosine, eta)
+
+
+@kernel
+def _mean_glass(tables: Row, alpha: float, eta: float) -> float:
+    """Cosine-weighted mean of ``_albedo_glass``."""
+    sheet = tables.glass_mean[0] if eta >= 1.0 else tables.glass_mean[1]
+    k, r = _place(math.sqrt(abs(eta - 1.0) / (eta + 1.0)), sheet.shape[0])
+    i, s = _place(math.sqrt(alpha), sheet.shape[1])
+    low = sheet[k, i] + s * (sheet[k, i + 1] - sheet[k, i])
+    high = sheet[k + 1, i] + s * (sheet[k + 1, i + 1] - sheet[k + 1, i])
+    return float(low + r * (high - low))
+
+
+@kernel
+def _many_bounces(albedo: float, mean: float, kept: float) -> float:
+    """Factor 1 + F (1 - E) / E on a lobe of albedo E, whose facets keep ``kept``."""
+    many = kept * mean / (1.0 - kept * (1.0 - mean))
+    return 1.0 + many * max(0.0, 1.0 - albedo) / max(0.01, albedo)
 
 
 @kernel
@@ -181,11 +216,18 @@ def multiscatter(tables: Row, alpha: float, cosine: float, mean_fresnel: float) 
     2019, "Practical Multiple Scattering Compensation for Microfacet Models"; F from Kulla
     and Conty 2017, "Revisiting Physically Based Shading at Imageworks", appendix).
     """
-    e = albedo_ggx(tables, alpha, cosine)
     i, s = _place(math.sqrt(alpha), len(tables.ggx_mean))
     mean = tables.ggx_mean[i] + s * (tables.ggx_mean[i + 1] - tables.ggx_mean[i])
-    many = mean_fresnel * mean / (1.0 - mean_fresnel * (1.0 - mean))
-    return float(1.0 + many * max(0.0, 1.0 - e) / e)
+    return _many_bounces(albedo_ggx(tables, alpha, cosine), mean, mean_fresnel)
+
+
+@kernel
+def multiscatter_glass(
+    tables: Row, alpha: float, cosine: float, eta: float, mean_kept: float
+) -> float:
+    """The same factor on rough glass whose facets keep ``mean_kept`` of the light."""
+    e = _albedo_glass(tables, alpha, cosine, eta)
+    return _many_bounces(e, _mean_glass(tables, alpha, eta), mean_kept)
 
 
 @kernel

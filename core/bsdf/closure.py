@@ -13,10 +13,10 @@ from ..geometry.vector import Vector, store
 from ..jit import Row, Table, kernel
 from .albedo import (
     albedo_ggx,
-    albedo_glass,
-    albedo_rise,
     mean_fresnel_dielectric,
+    mean_rise,
     multiscatter,
+    multiscatter_glass,
 )
 from .fresnel import f82_dip, fresnel_f82, normal_reflectance
 from .lobe import (
@@ -27,8 +27,10 @@ from .lobe import (
     NO_FRESNEL,
     OREN_NAYAR,
     SCHLICK,
+    SHEEN,
     TRUE_FRESNEL,
 )
+from .sheen import sheen_at
 
 #: A weight below this scatters nothing worth a lobe.
 LEAST_WEIGHT = 1e-7
@@ -168,6 +170,20 @@ def put_metal(
 
 
 @kernel
+def _mean_curve(f0: Vector, eta: float) -> Vector:
+    """Cosine-weighted mean of a dielectric's reflectance, stretched to begin at ``f0``."""
+    real = normal_reflectance(eta)
+    rise = 0.0
+    if real < 1.0:
+        rise = min(1.0, max(0.0, (mean_fresnel_dielectric(eta) - real) / (1.0 - real)))
+    return (
+        f0[0] + (1.0 - f0[0]) * rise,
+        f0[1] + (1.0 - f0[1]) * rise,
+        f0[2] + (1.0 - f0[2]) * rise,
+    )
+
+
+@kernel
 def put_reflection(
     lobes: Table,
     at: int,
@@ -184,22 +200,15 @@ def put_reflection(
     The true curve of ``eta``, stretched to begin at ``f0``.
     """
     f0 = clamped(f0)
-    real = normal_reflectance(eta)
-    rise = 0.0
-    if real < 1.0:
-        rise = min(1.0, max(0.0, (mean_fresnel_dielectric(eta) - real) / (1.0 - real)))
-    mean = (
-        f0[0] + (1.0 - f0[0]) * rise,
-        f0[1] + (1.0 - f0[1]) * rise,
-        f0[2] + (1.0 - f0[2]) * rise,
-    )
-    factor = _compensated(tables, alpha, cosine, mean, multi)
-    whole = albedo_ggx(tables, alpha, cosine)
-    risen = albedo_rise(tables, alpha, cosine, eta)
+    factor = _compensated(tables, alpha, cosine, _mean_curve(f0, eta), multi)
+    # Without the bounces between facets the layer below is dimmed as if there were some:
+    # it does not see what they lose (as in Cycles).
+    whole = albedo_ggx(tables, alpha, cosine) if multi else 1.0
+    risen = mean_rise(tables, alpha, cosine, eta)
     albedo = (
-        factor[0] * (f0[0] * whole + (1.0 - f0[0]) * risen),
-        factor[1] * (f0[1] * whole + (1.0 - f0[1]) * risen),
-        factor[2] * (f0[2] * whole + (1.0 - f0[2]) * risen),
+        factor[0] * whole * (f0[0] + (1.0 - f0[0]) * risen),
+        factor[1] * whole * (f0[1] + (1.0 - f0[1]) * risen),
+        factor[2] * whole * (f0[2] + (1.0 - f0[2]) * risen),
     )
     mean_albedo = (albedo[0] + albedo[1] + albedo[2]) / 3.0
     at = put(
@@ -209,7 +218,21 @@ def put_reflection(
 
 
 @kernel
-def put_glass(
+def _compensated_glass(
+    tables: Row, alpha: float, eta: float, cosine: float, kept: Vector, multi: bool
+) -> Vector:
+    """As ``_compensated``, for glass whose facets keep ``kept`` of what meets them."""
+    if not multi:
+        return _WHITE
+    return (
+        multiscatter_glass(tables, alpha, cosine, eta, kept[0]),
+        multiscatter_glass(tables, alpha, cosine, eta, kept[1]),
+        multiscatter_glass(tables, alpha, cosine, eta, kept[2]),
+    )
+
+
+@kernel
+def put_tinted_glass(
     lobes: Table,
     at: int,
     tables: Row,
@@ -222,26 +245,42 @@ def put_glass(
     multi: bool,
 ) -> int:
     """Rough glass: reflection from ``f0`` on, the rest transmitted and tinted."""
-    scale = 1.0 / max(0.01, albedo_glass(tables, alpha, cosine, eta)) if multi else 1.0
-    w = (weight[0] * scale, weight[1] * scale, weight[2] * scale)
-    return put(lobes, at, GGX_DIELECTRIC, w, 1.0, alpha, eta, SCHLICK, clamped(f0), tint)
+    # Between facets most of the light is transmitted: its tint is that of the bounces.
+    w = times(weight, _compensated_glass(tables, alpha, eta, cosine, tint, multi))
+    f0 = clamped(f0)
+    return put(lobes, at, GGX_DIELECTRIC, w, 1.0, alpha, eta, SCHLICK, f0, tint)
 
 
 @kernel
-def put_true_glass(
+def put_glass(
     lobes: Table,
     at: int,
     tables: Row,
     weight: Vector,
+    color: Vector,
     alpha: float,
     eta: float,
     cosine: float,
     multi: bool,
 ) -> int:
-    """Rough glass with Fresnel's reflectance; ``weight`` tints all of it."""
-    scale = 1.0 / max(0.01, albedo_glass(tables, alpha, cosine, eta)) if multi else 1.0
-    w = (weight[0] * scale, weight[1] * scale, weight[2] * scale)
+    """Rough glass with Fresnel's reflectance; ``color`` tints all of it."""
+    w = times(
+        times(weight, color),
+        _compensated_glass(tables, alpha, eta, cosine, clamped(color), multi),
+    )
     return put(lobes, at, GGX_DIELECTRIC, w, 1.0, alpha, eta, TRUE_FRESNEL, _BLACK, _WHITE)
+
+
+@kernel
+def put_sheen(
+    lobes: Table, at: int, tables: Row, weight: Vector, roughness: float, cosine: float
+) -> tuple[int, float]:
+    """A layer of fibres: (next row, its albedo over ``weight``)."""
+    albedo, scale, shear = sheen_at(tables, max(1e-3, roughness), cosine)
+    w = (weight[0] * albedo, weight[1] * albedo, weight[2] * albedo)
+    shape = (scale, shear, 0.0)
+    at = put(lobes, at, SHEEN, w, 1.0, roughness, 1.0, NO_FRESNEL, shape, _WHITE)
+    return at, albedo
 
 
 @kernel

@@ -23,6 +23,7 @@ from .rough_dielectric import (
     pdf_refraction,
     sample_rough_refraction,
 )
+from .sheen import eval_sheen, pdf_sheen, sample_sheen
 from .translucent import eval_translucent, pdf_translucent, sample_translucent
 
 DIFFUSE = int(Model.DIFFUSE)
@@ -196,6 +197,8 @@ def eval_lobe(lobe: Row, n: Vector, wo: Vector, wi: Vector) -> Vector:
         return _times(w, eval_oren_nayar(n, wo, wi, lobe.roughness, vector(lobe.f0)), 1.0)
     if model == PHONG:
         return scale(vector(w), eval_phong(n, wo, wi, lobe.exponent))
+    if model == SHEEN:
+        return scale(vector(w), eval_sheen(n, wo, wi, lobe.f0[0], lobe.f0[1]))
     if model == GGX or model == GGX_DIELECTRIC:
         f = eval_ggx(n, wo, wi, lobe.roughness)
         return _times(w, reflectance(lobe, dot(wo, half_reflection(wo, wi))), f)
@@ -217,6 +220,8 @@ def pdf_lobe(lobe: Row, n: Vector, wo: Vector, wi: Vector) -> float:
                 cos_h = dot(wo, half_refraction(n, wo, wi, lobe.eta))
                 return pdf_w * (1.0 - _reflect_prob(lobe, cos_h))
         return 0.0
+    if model == SHEEN:
+        return pdf_sheen(n, wo, wi, lobe.f0[0], lobe.f0[1])
     if is_diffuse_like(model):
         return pdf_diffuse(n, wi)
     if model == PHONG:
@@ -239,6 +244,8 @@ def sample_lobe(
         wi = sample_phong(n, wo, lobe.exponent, u, v)
     elif model == TRANSLUCENT:
         return True, sample_translucent(n, u, v), True
+    elif model == SHEEN:
+        wi = sample_sheen(n, wo, lobe.f0[0], lobe.f0[1], u, v)
     elif model == GGX:
         wi = sample_ggx(n, wo, lobe.roughness, u, v)
     elif model == GGX_REFRACTION:

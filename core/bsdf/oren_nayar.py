@@ -57,8 +57,11 @@ def eval_oren_nayar(
         1.0 - albedo_oren_nayar(cos_i, roughness)
     )
     many = 0.0 if mean >= 1.0 else lost * mean / ((1.0 - mean) * math.pi)
+    # Cycles has one more factor of the colour here than the paper (measured: albedo 0.5 at
+    # roughness 1 seen from above gives 0.414, not 0.439), and so have we.
+    c = (color[0] * color[0], color[1] * color[1], color[2] * color[2])
     return (
-        single + many * color[0] / (1.0 - color[0] * (1.0 - mean)),
-        single + many * color[1] / (1.0 - color[1] * (1.0 - mean)),
-        single + many * color[2] / (1.0 - color[2] * (1.0 - mean)),
+        single + many * c[0] / (1.0 - color[0] * (1.0 - mean)),
+        single + many * c[1] / (1.0 - color[1] * (1.0 - mean)),
+        single + many * c[2] / (1.0 - color[2] * (1.0 - mean)),
     )

@@ -14,15 +14,15 @@ from .closure import (
     clamped,
     coat_transmission,
     put_diffuse,
-    put_glass,
     put_metal,
     put_plain,
     put_reflection,
+    put_sheen,
+    put_tinted_glass,
     times,
 )
 from .fresnel import normal_reflectance
 from .lobe import TRANSPARENT
-from .sheen import put_sheen
 
 _LEAST = 1e-5
 
@@ -108,7 +108,7 @@ def put_principled(
     if transmission > _LEAST:
         f = normal_reflectance(eta)
         passed = (math.sqrt(base[0]), math.sqrt(base[1]), math.sqrt(base[2]))
-        at = put_glass(
+        at = put_tinted_glass(
             lobes, at, tables, scale(weight, transmission), scale(tint, f), passed, width,
             eta, cosine, multi,
         )  # fmt: skip

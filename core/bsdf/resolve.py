@@ -9,15 +9,15 @@ from ..textures.sampling import param_color, param_number
 from .closure import (
     put,
     put_diffuse,
+    put_glass,
     put_glossy,
     put_metal,
     put_plain,
-    put_true_glass,
+    put_sheen,
     times,
 )
 from .lobe import GGX_REFRACTION, NO_FRESNEL, TRANSLUCENT, TRANSPARENT
 from .principled import put_principled
-from .sheen import put_sheen
 
 #: Rows a hit's lobes may take; nodes that would need more than are left scatter nothing.
 MOST_LOBES = 16
@@ -104,7 +104,7 @@ def _resolve_one(
         return put_metal(lobes, at, tables, weight, color, tint, alpha, cosine, multi)
     tinted = times(weight, color)
     if kind == _GLASS:
-        return put_true_glass(lobes, at, tables, tinted, alpha, eta, cosine, multi)
+        return put_glass(lobes, at, tables, weight, color, alpha, eta, cosine, multi)
     if kind == _REFRACTION:
         return put(
             lobes, at, GGX_REFRACTION, tinted, 1.0, alpha, eta, NO_FRESNEL, _BLACK, _WHITE

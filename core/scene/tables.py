@@ -111,7 +111,8 @@ class Visibility(IntFlag):
 #: as seen from ``wo`` for rough glass, set when the lobe is resolved at a hit. ``fresnel``
 #: with ``f0`` and ``f90`` (F82: the tint at 82 degrees; SCHLICK: at 90) scales reflection;
 #: GGX_DIELECTRIC tints what it transmits by ``f90``; OREN_NAYAR has its facets' albedo in
-#: ``f0``. ``share``: estimate of what the lobe scatters, by which it is drawn.
+#: ``f0``, SHEEN its shape (only resolved lobes have one). ``share``: estimate of
+#: what the lobe scatters, by which it is drawn.
 LOBE = np.dtype(
     [
         ("model", "i4"),
