@@ -30,15 +30,21 @@ BOUNCES = 32
 
 
 def open_scene(blend: Path, width: int, height: int, threads: int) -> bpy.types.Scene:
-    """Open ``blend`` and set Cycles up on it so that its mean is right.
+    """Open ``blend`` and set Cycles up on it (``set_up``)."""
+    with quiet():
+        bpy.ops.wm.open_mainfile(filepath=str(blend.resolve()))
+    scene: bpy.types.Scene = bpy.context.scene
+    set_up(scene, width, height, threads)
+    return scene
+
+
+def set_up(scene: bpy.types.Scene, width: int, height: int, threads: int) -> None:
+    """Set Cycles up on ``scene`` so that its mean is right.
 
     Blender's defaults would soften caustics (``blur_glossy``), skip weak lamps
     (``light_sampling_threshold``), stop early where it looks smooth (adaptive sampling) and
     correlate neighbouring pixels (a wide filter).
     """
-    with quiet():
-        bpy.ops.wm.open_mainfile(filepath=str(blend.resolve()))
-    scene: bpy.types.Scene = bpy.context.scene
     render = scene.render
     render.engine = "CYCLES"
     render.resolution_x, render.resolution_y = width, height
@@ -62,7 +68,7 @@ def open_scene(blend: Path, width: int, height: int, threads: int) -> bpy.types.
     cycles.caustics_reflective = cycles.caustics_refractive = True
     for kind in ("max", "diffuse", "glossy", "transmission"):
         setattr(cycles, f"{kind}_bounces", BOUNCES)
-    return scene
+    cycles.transparent_max_bounces = BOUNCES
 
 
 def render_image(scene: bpy.types.Scene, *, seed: int, samples: int) -> tuple[Image, float]:

@@ -1,0 +1,103 @@
+"""Runs the suite's workers with a time limit and judges what they leave."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tests.parity.case import Case
+from tests.parity.cases import CASES
+from tests.parity.compare import Verdict, compare
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Longest silence of a worker [s]: one scene, compiling included.
+TIMEOUT = 240.0
+
+
+def render(
+    names: Sequence[str], out: Path, python: str = sys.executable, timeout: float = TIMEOUT
+) -> None:
+    """Render scenes into ``out``; a scene that hangs or crashes Blender leaves no file."""
+    out.mkdir(parents=True, exist_ok=True)
+    left = [name for name in names if not (out / f"{name}.npz").is_file()]
+    while left:
+        work(left, out, python, timeout)
+        left = [name for name in left if not (out / f"{name}.npz").is_file()]
+        if left:  # the first one ended or blocked the process
+            write_error(out, left.pop(0), "Blender crashed or did not end in time")
+
+
+def work(names: Sequence[str], out: Path, python: str, timeout: float) -> None:
+    """One worker, ended when it is silent for ``timeout`` seconds."""
+    command = [python, "-m", "tests.parity.worker", str(out), *names]
+    with tempfile.TemporaryDirectory() as folder:
+        environment = {**os.environ, "BLENDER_USER_RESOURCES": folder}
+        with (
+            open(out / "worker.log", "a") as log,
+            subprocess.Popen(
+                command, cwd=ROOT, env=environment, stdout=log, stderr=log
+            ) as process,
+        ):
+            done = -1
+            while done != (done := sum(1 for _ in out.glob("*.npz"))):
+                try:
+                    process.wait(timeout)
+                    break
+                except subprocess.TimeoutExpired:
+                    continue
+            process.kill()
+
+
+def write_error(out: Path, name: str, text: str) -> None:
+    """Leave a file of a scene that was not rendered."""
+    with open(out / f"{name}.npz", "wb") as file:
+        np.savez(file, facts=json.dumps({"error": text}))
+
+
+def load(out: Path, name: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Facts and images of one scene."""
+    with np.load(out / f"{name}.npz") as kept:
+        images = {key: np.float64(kept[key]) for key in kept if key != "facts"}
+        return json.loads(str(kept["facts"])), images
+
+
+def judge(out: Path, name: str) -> Verdict:
+    """The verdict on a scene that was rendered into ``out``."""
+    facts, images = load(out, name)
+    case: Case = CASES[name]
+    if facts["error"]:
+        return Verdict("error", why=facts["error"].strip().splitlines()[-1])
+    verdict = compare(images["ours"], images["cycles"], images["photons"])
+    missing = [w for w in facts["warnings"] if not any(fine in w for fine in case.fine)]
+    if missing:
+        return Verdict(**{**vars(verdict), "state": "unsupported", "why": "; ".join(missing)})
+    return verdict
+
+
+def main() -> None:
+    """Render and judge scenes: ``python -m tests.parity.runner OUT [NAME...]``."""
+    out = Path(sys.argv[1])
+    names = sys.argv[2:] or list(CASES)
+    render(names, out)
+    for name in names:
+        v = judge(out, name)
+        d = " ".join(f"{100 * x:+.3f}" for x in v.difference)
+        facts, images = load(out, name)
+        spent = [facts.get(f"{e}_seconds", 0.0) for e in ("ours", "cycles")]
+        seeds = [len(images.get(e, ())) for e in ("ours", "cycles")]
+        sys.stdout.write(
+            f"{name:28} {v.state:12} {d} +- {100 * v.error:.3f} z {v.z:.1f} p {v.p:.2g} "
+            f"ph {v.photons:.2f} s {spent[0]:.1f} {spent[1]:.1f} n {seeds} {v.why}\n"
+        )
+
+
+if __name__ == "__main__":
+    main()
