@@ -8,6 +8,7 @@ import numpy as np
 
 from .photons.casters import caster_materials, receiver_materials
 from .scene.scene import Scene
+from .scene.tables import LightKind
 from .settings import Settings
 
 
@@ -53,7 +54,10 @@ class _Facts:
         shining = (scene.materials["emission"].max(axis=1) > 0) & used
         self.emissive_faces = int(np.isin(scene.face_material, np.flatnonzero(shining)).sum())
         self.lamps = int((scene.lights["emission"].max(axis=1) > 0).sum())
-        self.world = bool(scene.world.max() > 0)
+        rows, columns = scene.world_map.shape[:2]
+        shines = scene.world.max() > 0 and (rows == 0 or scene.world_map.max() > 0)
+        self.world = bool(shines)
+        self.sky = f"the world, a map of {columns}x{rows}" if rows else "the world"
         self.lights = self.lamps + bool(self.emissive_faces) + self.world
         self.faces = len(scene.faces)
         casts = caster_materials(scene) & used
@@ -77,8 +81,9 @@ def _emission(scene: Scene, facts: _Facts) -> Stage:
     if facts.emissive_faces:
         parts.append(f"{facts.emissive_faces} emissive faces")
     if facts.world:
-        parts.append("the world")
-    shaped = int(((scene.lights["radius"] > 0) | (scene.lights["size_x"] > 0)).sum())
+        parts.append(facts.sky)
+    plates = np.isin(scene.lights["kind"], (LightKind.RECTANGLE, LightKind.DISK))
+    shaped = int(((scene.lights["radius"] > 0) | plates).sum())
     if shaped:
         parts.append(f"{shaped} lamps with a shape")
     if not parts:
@@ -93,7 +98,7 @@ def _direct(facts: _Facts) -> Stage:
         return Stage("direct", False, "no surface scatters widely")
     parts = [f"{facts.lamps} lamps"] if facts.lamps else []
     parts += [f"{facts.emissive_faces} emissive faces"] if facts.emissive_faces else []
-    parts += ["the world"] if facts.world else []
+    parts += [facts.sky] if facts.world else []
     return Stage("direct", True, "light from " + ", ".join(parts))
 
 

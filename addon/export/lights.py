@@ -34,6 +34,10 @@ _VISIBILITY = {
 }
 
 
+#: A spread of 0 is parallel light; the core wants some [rad].
+_LEAST_SPREAD = 1e-3
+
+
 def add_light(
     builder: SceneBuilder, obj: Any, matrix: NDArray[np.float64], log: ExportLog
 ) -> None:
@@ -52,20 +56,25 @@ def add_light(
         return
     seen = light_visibility(obj)
     normalize = getattr(light, "normalize", True)
+    others = {
+        "soft": bool(getattr(light, "use_soft_falloff", False)),
+        "shadow": bool(light.use_shadow),
+    }
     if light.type in ("POINT", "SPOT"):
         radius = float(light.shadow_soft_size)
         intensity = power * _point_factor(radius, normalize)
         if light.type == "POINT":
-            builder.add_point_light(name, matrix[:3, 3], intensity, radius, seen)
+            builder.add_point_light(name, matrix[:3, 3], intensity, radius, seen, **others)
         else:
-            if np.ptp(scale) > 1e-3 * scale.max():
-                log.warn(f"light '{name}': uneven scale of a spot is not supported yet")
             half, blend = float(light.spot_size) / 2.0, float(light.spot_blend)
-            builder.add_spot_light(name, matrix, intensity, half, blend, radius, seen)
+            stretch = {"size_x": scale[0] / scale[2], "size_y": scale[1] / scale[2]}
+            builder.add_spot_light(
+                name, matrix, intensity, half, blend, radius, seen, **stretch, **others
+            )
     elif light.type == "SUN":
         angle = float(light.angle)
         factor = 1.0 if normalize or angle == 0 else math.pi * math.sin(angle / 2.0) ** 2
-        builder.add_sun_light(name, matrix, power * factor, angle, seen)
+        builder.add_sun_light(name, matrix, power * factor, angle, seen, **others)
     elif light.type == "AREA":
         round_shape = light.shape in ("DISK", "ELLIPSE")
         size_x = float(light.size * scale[0])
@@ -75,10 +84,11 @@ def add_light(
         if area <= 0:
             log.warn(f"light '{name}' is left out, because its size is 0")
             return
-        if light.spread < math.pi - 1e-4:
-            log.warn(f"light '{name}': spread is not supported yet and ignored")
         radiance = power / (math.pi * (area if normalize else 1.0))
-        builder.add_area_light(name, matrix, radiance, size_x, size_y, round_shape, seen)
+        builder.add_area_light(
+            name, matrix, radiance, size_x, size_y, round_shape, seen,
+            spread=max(_LEAST_SPREAD, float(light.spread)), **others,
+        )  # fmt: skip
     else:
         log.warn(f"light '{name}': type {light.type} is not supported and left out")
 
@@ -97,7 +107,7 @@ def light_power(light: Any, owner: str, log: ExportLog) -> NDArray[np.float64]:
     power = power * 2.0 ** float(getattr(light, "exposure", 0.0))
     power = power * node_factor(light, owner, log)
     if not light.use_shadow:
-        log.warn(f"{owner}: light without shadows is not supported, it casts them")
+        log.warn(f"{owner}: without shadows in direct light only, its photons are blocked")
     if (power < 0).any():
         log.warn(f"{owner}: negative power is not possible, 0 is used")
     return np.maximum(power, 0.0)

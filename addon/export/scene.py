@@ -12,7 +12,7 @@ from .camera import export_camera
 from .instances import ExportCancelledError, add_objects
 from .materials import MaterialTable
 from .unsupported import warn_missing, warn_scene
-from .world import world_radiance
+from .world import world_values
 
 __all__ = ["ExportCancelledError", "export_scene", "image_size"]
 
@@ -41,7 +41,7 @@ def export_scene(
     builder.set_camera(export_camera(camera, scene, image_size(scene), engine))
     warn_scene(scene, layer, log)
     warn_missing(log)
-    builder.set_world(world_radiance(layer.world_override or scene.world, log))
+    builder.set_world(**world_values(layer.world_override or scene.world, log))
     materials = MaterialTable(builder, log, layer.material_override)
     add_objects(builder, depsgraph, materials, log, stopped)
     if builder.dropped_faces:

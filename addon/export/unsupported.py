@@ -93,8 +93,3 @@ def warn_scene(scene: Any, layer: Any, log: ExportLog) -> None:
             f"view layer '{layer.name}': the filter that leaves out {' and '.join(off)} is "
             "not supported yet and ignored"
         )
-    visibility = getattr(scene.world, "cycles_visibility", None)
-    if visibility is not None and not all(
-        getattr(visibility, ray) for ray in ("camera", "diffuse", "glossy", "transmission")
-    ):
-        log.warn(f"world '{scene.world.name}': ray visibility is ignored")

@@ -6,7 +6,7 @@ from ..bsdf.dispatch import eval_nonspecular, pdf_nonspecular
 from ..geometry.interaction import OFFSET, leave
 from ..geometry.vector import along, dot, scale, store, subtract, vector
 from ..jit import Row, Table, kernel
-from ..lights.dispatch import FAR, sample_li
+from ..lights.dispatch import FAR, casts_shadow, sample_li, visibility_of
 from ..lights.selection import select_light
 from ..sampling.rng import camera_2d
 from ..scene.tables import Visibility
@@ -49,7 +49,7 @@ def sample_direct(
         entry, prob = select_light(lights, p, u_light)
         if entry < 0 or prob <= 0.0:
             continue
-        if entry < len(lights.lamps) and lights.lamps[entry].visibility & _DIFFUSE_BIT == 0:
+        if visibility_of(lights, entry) & _DIFFUSE_BIT == 0:
             continue
         u, v = camera_2d(i, vertex.pixel_key, LIGHT_POINT)
         wi, distance, light, pdf_w, delta = sample_li(
@@ -62,7 +62,9 @@ def sample_direct(
         if not max(f) > 0.0:
             continue
         weight = dot(wi, ns) / (pdf_w * prob)
-        if not delta:
+        shadow = casts_shadow(lights, entry)
+        # Light that nothing blocks is found here alone: a ray would stop at what is between.
+        if not delta and shadow:
             pdf_bsdf = pdf_nonspecular(material, lobes, ns, wo, wi)
             weight *= power_heuristic(pdf_w * prob, rays_each * pdf_bsdf)
         o = leave(p, ng, wi, vertex.offset)
@@ -77,6 +79,8 @@ def sample_direct(
             reach = max(abs(q[0]), abs(q[1]), abs(q[2]))
             gap = 2.0 * max(vertex.offset, OFFSET * reach, 2.0 * OFFSET * distance)
             length = max(0.0, 1.0 - gap / distance)
+        if not shadow:
+            length = 0.0
         store(origins[out], o)
         store(directions[out], d)
         lengths[out] = length

@@ -12,10 +12,10 @@ from ..geometry.interaction import OFFSET, interact, leave
 from ..geometry.media import copy_media, cross_surface
 from ..geometry.vector import Vector, dot, read, scale, store, subtract, vector
 from ..jit import Row, Table, kernel
-from ..lights.dispatch import FAR, pdf_emitter_hit, see_lamp
+from ..lights.dispatch import FAR, pdf_emitter_hit, see_lamp, visibility_of
 from ..lights.mesh import face_normal
 from ..lights.selection import selection_probability
-from ..lights.world import pdf_world
+from ..lights.world import pdf_world, world_radiance
 from ..sampling.rng import CAMERA, camera_2d, stream, uniform
 from ..scene.tables import Visibility
 from .records import CHAIN, CHAIN_STEP, FILTER, LENS
@@ -115,6 +115,8 @@ def _see_lamps(path: Row, sample: Row, lights: Row, o: Vector, d: Vector, reach:
         lamp = lights.lamps[entry]
         if (lamp.visibility & path.event) == 0:
             continue
+        if lamp.shadow == 0 and path.pdf_w > 0.0:
+            continue
         t, radiance, pdf_w = see_lamp(lamp, o, d)
         if path.event == _CAMERA_BIT and path.reach < t and t < FAR:
             continue
@@ -138,11 +140,11 @@ def _see_world(path: Row, sample: Row, lights: Row, transparent: bool) -> None:
     """A ray that leaves the scene."""
     if transparent and path.event == _CAMERA_BIT:
         return
-    world = vector(lights.world)
-    if world[0] + world[1] + world[2] > 0.0:
-        entry = len(lights.lamps) + 1
-        pdf_w = pdf_world(vector(path.normal), vector(path.direction))
-        _see_light(path, sample, lights, entry, world, pdf_w)
+    entry = len(lights.lamps) + 1
+    if visibility_of(lights, entry) & path.event:
+        d = vector(path.direction)
+        pdf_w = 0.0 if path.pdf_w == 0.0 else pdf_world(lights.world, vector(path.normal), d)
+        _see_light(path, sample, lights, entry, world_radiance(lights.world, d), pdf_w)
     sample.alpha = 1.0
 
 

@@ -15,9 +15,9 @@ from ..sampling.warps import sample_cone
 from ..scene.tables import LightKind
 from . import area, sun
 from .mesh import face_normal, pdf_area, sample_emitter
-from .point import hit_sphere, sample_sphere_li
-from .spot import falloff
-from .world import pdf_world, sample_world
+from .point import hit_soft, hit_sphere, sample_soft_li, sample_sphere_li
+from .spot import cone_share
+from .world import sample_world, world_radiance
 
 POINT = int(LightKind.POINT)
 SPOT = int(LightKind.SPOT)
@@ -27,6 +27,9 @@ DISK = int(LightKind.DISK)
 
 hit_area = area.hit_area
 sample_area_point = area.sample_point
+sample_seen_point = area.sample_seen_point
+spread_share = area.spread_share
+sample_shine = area.sample_shine
 area_of = area.area
 sun_in_disc = sun.in_disc
 sun_versine = sun.versine
@@ -41,7 +44,7 @@ def spot_scale(lamp: Row, w: Vector) -> float:
     """Fraction of the axial intensity that a point or spot sends along ``w``."""
     if lamp.kind != SPOT:
         return 1.0
-    return falloff(-dot(w, vector(lamp.axis_z)), lamp.cos_outer, lamp.blend)
+    return cone_share(lamp, w)
 
 
 @kernel
@@ -50,6 +53,39 @@ def is_delta(lamp: Row) -> bool:
     if lamp.kind == SUN:
         return lamp.angle <= 0.0
     return (lamp.kind == POINT or lamp.kind == SPOT) and lamp.radius <= 0.0
+
+
+@kernel
+def _sample_point_like(lamp: Row, p: Vector, u: float, v: float) -> Any:
+    """``sample_lamp`` of a point or spot."""
+    e = vector(lamp.emission)
+    centre = vector(lamp.position)
+    if lamp.radius <= 0.0:
+        to_light = subtract(centre, p)
+        d2 = dot(to_light, to_light)
+        if d2 <= 0.0:
+            return to_light, 0.0, e, 0.0
+        d = math.sqrt(d2)
+        wi = scale(to_light, 1.0 / d)
+        return wi, d, scale(e, spot_scale(lamp, scale(wi, -1.0)) / d2), 1.0
+    if lamp.soft != 0:
+        wi, d, pdf_w = sample_soft_li(centre, lamp.radius, p, u, v)
+    else:
+        wi, d, pdf_w = sample_sphere_li(centre, lamp.radius, p, u, v)
+    return wi, d, scale(e, _surface_share(lamp, p, wi)), pdf_w
+
+
+@kernel
+def _surface_share(lamp: Row, o: Vector, d: Vector) -> float:
+    """Radiance per axial intensity of a point's or spot's shape, seen from ``o`` along ``d``.
+
+    From inside of its sphere a spot shines everywhere, in Cycles 5.0 and 5.2.
+    """
+    share = 1.0 / (math.pi * lamp.radius * lamp.radius)
+    to_centre = subtract(vector(lamp.position), o)
+    if lamp.soft == 0 and dot(to_centre, to_centre) <= lamp.radius * lamp.radius:
+        return share
+    return share * spot_scale(lamp, scale(d, -1.0))
 
 
 @kernel
@@ -73,28 +109,18 @@ def sample_lamp(lamp: Row, p: Vector, u: float, v: float) -> Any:
             1.0 / (2.0 * math.pi * versine),
         )
     if lamp.kind == RECTANGLE or lamp.kind == DISK:
-        to_light = subtract(sample_area_point(lamp, lamp.kind == DISK, u, v), p)
+        q, pdf_a = sample_seen_point(lamp, lamp.kind == DISK, p, u, v)
+        to_light = subtract(q, p)
         d2 = dot(to_light, to_light)
-        if d2 <= 0.0:
+        if d2 <= 0.0 or pdf_a <= 0.0:
             return to_light, 0.0, e, 0.0
         d = math.sqrt(d2)
         wi = scale(to_light, 1.0 / d)
         cos_light = dot(wi, vector(lamp.axis_z))
         if cos_light <= 0.0:
             return wi, d, e, 0.0
-        return wi, d, e, d2 / (cos_light * area_of(lamp, lamp.kind == DISK))
-    centre = vector(lamp.position)
-    if lamp.radius <= 0.0:
-        to_light = subtract(centre, p)
-        d2 = dot(to_light, to_light)
-        if d2 <= 0.0:
-            return to_light, 0.0, e, 0.0
-        d = math.sqrt(d2)
-        wi = scale(to_light, 1.0 / d)
-        return wi, d, scale(e, spot_scale(lamp, scale(wi, -1.0)) / d2), 1.0
-    wi, d, pdf_w = sample_sphere_li(centre, lamp.radius, p, u, v)
-    shine = spot_scale(lamp, scale(wi, -1.0)) / (math.pi * lamp.radius * lamp.radius)
-    return wi, d, scale(e, shine), pdf_w
+        return wi, d, scale(e, spread_share(lamp, cos_light)), pdf_a * d2 / cos_light
+    return _sample_point_like(lamp, p, u, v)
 
 
 @kernel
@@ -121,8 +147,8 @@ def sample_li(
         wi, d, radiance, pdf_w = sample_lamp(lights.lamps[entry], p, u, v)
         return wi, d, radiance, pdf_w, is_delta(lights.lamps[entry])
     if entry == count + 1:
-        wi, pdf_w = sample_world(n, u, v)
-        return wi, FAR, vector(lights.world), pdf_w, False
+        wi, pdf_w = sample_world(lights.world, n, u, v)
+        return wi, FAR, world_radiance(lights.world, wi), pdf_w, False
     face, q = sample_emitter(mesh, lights.emitters, u_face, u, v)
     material = mesh.material[face]
     radiance = vector(materials[material].emission)
@@ -159,11 +185,13 @@ def see_lamp(lamp: Row, o: Vector, d: Vector) -> Any:
         pdf_w = 1.0 / (2.0 * math.pi * sun_versine(lamp.angle))
         return FAR, scale(e, sun_radiance(lamp.angle)), pdf_w
     if lamp.kind == RECTANGLE or lamp.kind == DISK:
-        t, pdf_w = hit_area(lamp, lamp.kind == DISK, o, d)
-        return t, e, pdf_w
-    t, pdf_w = hit_sphere(vector(lamp.position), lamp.radius, o, d)
-    shine = spot_scale(lamp, scale(d, -1.0)) / (math.pi * lamp.radius * lamp.radius)
-    return t, scale(e, shine), pdf_w
+        t, pdf_w, cos_light = hit_area(lamp, lamp.kind == DISK, o, d)
+        return t, scale(e, spread_share(lamp, cos_light)), pdf_w
+    if lamp.soft != 0:
+        t, pdf_w = hit_soft(vector(lamp.position), lamp.radius, o, d)
+    else:
+        t, pdf_w = hit_sphere(vector(lamp.position), lamp.radius, o, d)
+    return t, scale(e, _surface_share(lamp, o, d)), pdf_w
 
 
 @kernel
@@ -178,4 +206,17 @@ def pdf_emitter_hit(
     return pdf_a * distance * distance / cos_light
 
 
-pdf_world_hit = pdf_world
+@kernel
+def casts_shadow(lights: Row, entry: int) -> bool:
+    """Whether surfaces block the direct light of an entry."""
+    return entry >= len(lights.lamps) or lights.lamps[entry].shadow != 0
+
+
+@kernel
+def visibility_of(lights: Row, entry: int) -> int:
+    """Visibility bits of an entry (``tables.Visibility``); faces: all."""
+    if entry < len(lights.lamps):
+        return lights.lamps[entry].visibility
+    if entry == len(lights.lamps) + 1:
+        return lights.world.visibility
+    return 15

@@ -12,11 +12,7 @@ from typing import Any
 
 from ..geometry.vector import Vector, dot, scale, to_world, vector
 from ..jit import Row, Table, kernel
-from ..sampling.warps import (
-    sample_cosine_hemisphere,
-    sample_disk,
-    sample_sphere,
-)
+from ..sampling.warps import sample_cosine_hemisphere, sample_disk, sample_sphere
 from .dispatch import (
     DISK,
     RECTANGLE,
@@ -25,12 +21,16 @@ from .dispatch import (
     area_of,
     cone_direction,
     sample_area_point,
+    sample_shine,
     spot_scale,
+    spread_share,
     sun_radiance,
     sun_versine,
 )
 from .mesh import face_normal, sample_emitter
-from .point import beam_origin
+from .point import beam_origin, soft_origin, soft_reaches
+from .spot import sample_in_cone
+from .world import sample_beam, world_radiance
 
 _NONE = (0.0, 0.0, 0.0)
 
@@ -67,12 +67,9 @@ def sample_natural(
         return to_world(local, n), 0.5 * local[2] / math.pi
     lamp = lights.lamps[entry]
     if lamp.kind == RECTANGLE or lamp.kind == DISK:
-        local = sample_cosine_hemisphere(u, v)
-        return to_world(local, scale(vector(lamp.axis_z), -1.0)), local[2] / math.pi
+        return sample_shine(lamp, u, v)
     if lamp.kind == SPOT:
-        versine = 1.0 - lamp.cos_outer
-        w = cone_direction(scale(vector(lamp.axis_z), -1.0), versine, u, v)
-        return w, 1.0 / (2.0 * math.pi * versine)
+        return sample_in_cone(lamp, u, v)
     return sample_sphere(u, v), 1.0 / (4.0 * math.pi)
 
 
@@ -103,9 +100,13 @@ def emitted(
     e = vector(lamp.emission)
     if lamp.kind == RECTANGLE or lamp.kind == DISK:
         cos_light = max(0.0, -dot(w, vector(lamp.axis_z)))
-        return anchor, _NONE, scale(e, cos_light * area_of(lamp, lamp.kind == DISK))
+        share = cos_light * spread_share(lamp, cos_light)
+        return anchor, _NONE, scale(e, share * area_of(lamp, lamp.kind == DISK))
     x, y = sample_disk(u, v)
-    origin = beam_origin(anchor, lamp.radius, w, x, y)
+    if lamp.soft != 0:
+        origin = soft_origin(anchor, lamp.radius, w, x, y)
+    else:
+        origin = beam_origin(anchor, lamp.radius, w, x, y)
     return origin, _NONE, scale(e, spot_scale(lamp, w))
 
 
@@ -113,7 +114,10 @@ def emitted(
 def sample_distant(lights: Row, entry: int, u: float, v: float) -> Any:
     """Direction of a distant entry's beam and its irradiance: (w, (3,) W/m^2)."""
     if entry == len(lights.lamps) + 1:
-        return sample_sphere(u, v), scale(vector(lights.world), 4.0 * math.pi)
+        wi, pdf_w = sample_beam(lights.world, u, v)
+        if pdf_w <= 0.0:
+            return wi, _NONE
+        return scale(wi, -1.0), scale(world_radiance(lights.world, wi), 1.0 / pdf_w)
     lamp = lights.lamps[entry]
     e = vector(lamp.emission)
     from_sun = scale(vector(lamp.axis_z), -1.0)
@@ -125,8 +129,14 @@ def sample_distant(lights: Row, entry: int, u: float, v: float) -> Any:
 
 
 @kernel
-def first_visibility(lights: Row, entry: int) -> int:
-    """Visibility bits of an entry (``tables.Visibility``); faces and world: all."""
-    if entry < len(lights.lamps):
-        return lights.lamps[entry].visibility
-    return 15
+def reaches(lights: Row, entry: int, start: Vector, p: Vector) -> bool:
+    """Whether a photon of ``entry`` that starts at ``start`` may light ``p``, its first hit.
+
+    A soft disc turns to whoever looks: beams at its rim are seen from afar only.
+    """
+    if entry >= len(lights.lamps):
+        return True
+    lamp = lights.lamps[entry]
+    if lamp.soft == 0 or lights.distant[entry] or lamp.radius <= 0.0:
+        return True
+    return soft_reaches(vector(lamp.position), lamp.radius, start, p)

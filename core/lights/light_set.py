@@ -16,6 +16,7 @@ from ..sampling.distributions import cumulative
 from ..scene.scene import Scene
 from ..scene.tables import LightKind
 from .mesh import Emitters, emitters_of
+from .world import World, world_of
 
 #: Least share of the photons that a light with power gets, relative to an equal share.
 LEAST_SHARE = 0.1
@@ -24,7 +25,8 @@ LEAST_SHARE = 0.1
 class LightSet(NamedTuple):
     """Lights of one render, N lamps and N + 2 entries.
 
-    lamps (N,) ``tables.LIGHT`` centred; emitters: the emissive faces; world (3,) radiance;
+    lamps (N,) ``tables.LIGHT`` centred; emitters: the emissive faces; world:
+    the surroundings;
     radius: bounding radius of the scene; place (N+2, 3) and size (N+2,): about where and
     how large; strength (N+2,): mean irradiance at 1 m (distant ones: anywhere), 0 = off;
     distant (N+2,) bool; power (N+2,): mean emitted flux [W]; photon_cdf (N+2,);
@@ -33,7 +35,7 @@ class LightSet(NamedTuple):
 
     lamps: NDArray[np.void]
     emitters: Emitters
-    world: NDArray[np.float64]
+    world: World
     radius: float
     place: NDArray[np.float64]
     size: NDArray[np.float64]
@@ -70,6 +72,8 @@ def light_set(scene: Scene, mesh: Mesh, centre: Centre) -> LightSet:
         else:
             size[k], strength[k] = lamp["radius"], mean
             part = 0.5 * (1 - lamp["cos_outer"]) if kind == LightKind.SPOT else 1.0
+            if kind == LightKind.SPOT:
+                part = min(1.0, part * lamp["size_x"] * lamp["size_y"])
             power[k] = mean * 4 * math.pi * part
     if len(emitters.faces):
         corners = mesh.vertices[mesh.faces[emitters.faces]].reshape(-1, 3)
@@ -77,11 +81,12 @@ def light_set(scene: Scene, mesh: Mesh, centre: Centre) -> LightSet:
         place[count] = (low + high) / 2
         size[count] = 0.5 * float(np.linalg.norm(high - low))
         strength[count], power[count] = emitters.power, 2 * math.pi * emitters.power
-    world = float(scene.world.mean())
+    world = world_of(scene)
     distant[count + 1] = True
-    strength[count + 1], power[count + 1] = world * math.pi, world * 4 * math.pi * disc
+    strength[count + 1] = world.mean * math.pi
+    power[count + 1] = world.mean * 4 * math.pi * disc
     return LightSet(
-        lamps, emitters, scene.world.copy(), centre.radius, place, size, strength,
+        lamps, emitters, world, centre.radius, place, size, strength,
         distant, power, photon_shares(power), shaped_lamps(lamps),
     )  # fmt: skip
 

@@ -11,9 +11,9 @@ from ..geometry.interaction import OFFSET
 from ..geometry.media import STACK
 from ..geometry.vector import Vector, along, dot, store, to_world
 from ..jit import Row, Table, kernel
+from ..lights.dispatch import visibility_of
 from ..lights.emission import (
     emitted,
-    first_visibility,
     sample_anchor,
     sample_distant,
     sample_natural,
@@ -25,7 +25,7 @@ from .aim import aim_distant, aim_local
 
 #: One photon on its way. ``flux`` [W] per channel; ``direction`` of travel; ``index`` of
 #: its path in the pass; ``specular`` tells that every surface so far was; ``visibility``
-#: bits of its light.
+#: bits of its light, ``entry``.
 PHOTON_PATH = np.dtype(
     [
         ("key", "u8"),
@@ -35,6 +35,7 @@ PHOTON_PATH = np.dtype(
         ("depth", "i4"),
         ("specular", "i4"),
         ("visibility", "i4"),
+        ("entry", "i4"),
         ("media_count", "i4"),
         ("media", "i4", STACK),
     ],
@@ -127,7 +128,8 @@ def emit_photons(
         path.index = k
         path.depth = 0
         path.specular = 1
-        path.visibility = first_visibility(lights, entry)
+        path.visibility = visibility_of(lights, entry)
+        path.entry = entry
         store(path.flux, flux)
         store(path.direction, w)
         path.media_count = light_media[entry, 0]

@@ -16,8 +16,9 @@ from ..bsdf.dispatch import whole_weights as lobe_weights
 from ..bsdf.specular import scatter_specular
 from ..geometry.interaction import interact, leave
 from ..geometry.media import cross_surface
-from ..geometry.vector import Vector, dot, scale, store, vector
+from ..geometry.vector import Vector, dot, read, scale, store, vector
 from ..jit import Row, Table, kernel
+from ..lights.emission import reaches
 from ..sampling.rng import uniform
 from ..scene.tables import Visibility
 from ..settings import Settings
@@ -85,7 +86,8 @@ def trace_photons(
         photons = np.zeros(alive, PHOTON)
         order = np.zeros(alive, np.int64)
         alive, kept = step_photons(
-            prepared.mesh, prepared.materials, prepared.lobes, aimed, settings.photon_depth,
+            prepared.mesh, prepared.materials, prepared.lobes, prepared.lights, aimed,
+            settings.photon_depth,
             hits.face, hits.u, hits.v, alive, origins, directions, paths, photons, order,
         )  # fmt: skip
         stored.append(photons[:kept])
@@ -150,6 +152,7 @@ def step_photons(
     mesh: Row,
     materials: Table,
     lobes: Table,
+    lights: Row,
     caustic: bool,
     most_depth: int,
     hit_face: Table,
@@ -174,6 +177,8 @@ def step_photons(
         path = paths[k]
         wo = scale(vector(path.direction), -1.0)
         p, ng, ns, entering, offset = interact(mesh, hit_face[k], hit_u[k], hit_v[k], wo)
+        if path.depth == 0 and not reaches(lights, path.entry, read(origins, k), p):
+            continue
         row = mesh.material[hit_face[k]]
         rough, smooth = lobe_weights(materials[row], lobes)
         base = FIRST_BOUNCE + _DIMENSIONS * path.depth

@@ -44,6 +44,9 @@ class Flat(NamedTuple):
     emitter: Ints
     emitter_cdf: Floats
     sky: Floats
+    sky_picture: NDArray[np.float32]
+    sky_turn: Floats
+    sky_visibility: int
     tiny: float  # no hit is nearer
 
 
@@ -76,6 +79,9 @@ def flatten(scene: Scene) -> Flat:
         emitter=emitter.astype(np.int64),
         emitter_cdf=np.cumsum(share) / share.sum() if len(emitter) else np.zeros(0),
         sky=scene.world,
+        sky_picture=scene.world_map,
+        sky_turn=scene.world_rotation,
+        sky_visibility=int(scene.world_visibility[0]),
         tiny=1e-10 * float(np.ptp(corners.reshape(-1, 3), axis=0).max()) if len(faces) else 0.0,
     )
 

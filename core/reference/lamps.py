@@ -15,6 +15,7 @@ from .vector import (
     Stream,
     Vec,
     along,
+    cross,
     dot,
     sample_cone,
     scaled,
@@ -37,7 +38,11 @@ def spot_share(s: Flat, lamp: int, leaving: Vec) -> float:
     if s.lamps[lamp].kind != _SPOT:
         return 1.0
     cos_outer, blend = s.lamps[lamp].cos_outer, s.lamps[lamp].blend
-    inside = -dot(leaving, vec(s.lamps[lamp].axis_z)) - cos_outer
+    # In the lamp's own space, where its scale is undone, the cone is round.
+    a = dot(leaving, vec(s.lamps[lamp].axis_x)) / s.lamps[lamp].size_x
+    b = dot(leaving, vec(s.lamps[lamp].axis_y)) / s.lamps[lamp].size_y
+    down = -dot(leaving, vec(s.lamps[lamp].axis_z))
+    inside = down / math.sqrt(a * a + b * b + down * down) - cos_outer
     if inside <= 0.0:
         return 0.0
     width = (1.0 - cos_outer) * blend
@@ -73,15 +78,21 @@ def _sun_radiance(s: Flat, lamp: int) -> Vec:
 
 @kernel
 def _sample_sphere(s: Flat, lamp: int, p: Vec, stream: Stream) -> LampSample:
-    """A point, or a sphere by the solid angle of its visible cap; none from inside."""
+    """A point, or a sphere by the solid angle of its visible cap, all around from inside."""
     to_centre = along(vec(s.lamps[lamp].position), p, -1.0)
     square = dot(to_centre, to_centre)
     radius = s.lamps[lamp].radius
-    if square <= radius * radius or square == 0.0:
+    intensity = vec(s.lamps[lamp].emission)
+    if square == 0.0 and radius <= 0.0:
         return _NOTHING
+    if s.lamps[lamp].soft and radius > 0.0:
+        return _sample_facing_disc(s, lamp, p, to_centre, stream)
+    if square <= radius * radius:
+        wi = sample_cone((0.0, 0.0, 1.0), 2.0, uniform(stream), uniform(stream))
+        way = _sphere_exit(p, wi, vec(s.lamps[lamp].position), radius)
+        return wi, way, scaled(intensity, 4.0 / (radius * radius))
     distance = math.sqrt(square)
     axis = scaled(to_centre, 1.0 / distance)
-    intensity = vec(s.lamps[lamp].emission)
     if radius <= 0.0:
         share = spot_share(s, lamp, scaled(axis, -1.0))
         return axis, distance, scaled(intensity, share / square)
@@ -95,6 +106,41 @@ def _sample_sphere(s: Flat, lamp: int, p: Vec, stream: Stream) -> LampSample:
     share = spot_share(s, lamp, scaled(wi, -1.0))
     solid_angle = TWO_PI * height
     return wi, near, scaled(intensity, share * solid_angle / (math.pi * radius * radius))
+
+
+@kernel
+def _sample_facing_disc(
+    s: Flat, lamp: int, p: Vec, to_centre: Vec, stream: Stream
+) -> LampSample:
+    """A uniform point of the disc through the lamp's place across the line of sight."""
+    radius = s.lamps[lamp].radius
+    square = dot(to_centre, to_centre)
+    if square == 0.0:
+        return _NOTHING
+    axis = scaled(to_centre, 1.0 / math.sqrt(square))
+    helper = (1.0, 0.0, 0.0) if abs(axis[0]) < 0.5 else (0.0, 1.0, 0.0)
+    right = unit(cross(axis, helper))
+    up = cross(right, axis)
+    r, phi = radius * math.sqrt(uniform(stream)), TWO_PI * uniform(stream)
+    to_light = along(to_centre, right, r * math.cos(phi))
+    to_light = along(to_light, up, r * math.sin(phi))
+    wi = unit(to_light)
+    square = dot(to_light, to_light)
+    # Radiance I / (pi r^2) times the disc's area pi r^2.
+    share = spot_share(s, lamp, scaled(wi, -1.0)) * dot(wi, axis) / square
+    return wi, math.sqrt(square), scaled(vec(s.lamps[lamp].emission), share)
+
+
+@kernel
+def slats(s: Flat, lamp: int, cosine: float) -> float:
+    """What a spread makes of the mean radiance at ``cosine`` to the axis."""
+    if s.lamps[lamp].spread > 3.1414:
+        return 1.0
+    limit = math.tan(0.5 * s.lamps[lamp].spread)
+    tangent = math.tan(math.acos(min(1.0, cosine)))
+    if tangent >= limit:
+        return 0.0
+    return (1.0 - tangent / limit) / (1.0 - 0.5 * s.lamps[lamp].spread / limit)
 
 
 @kernel
@@ -117,7 +163,8 @@ def _sample_plate(s: Flat, lamp: int, p: Vec, stream: Stream) -> LampSample:
     cosine = dot(wi, vec(s.lamps[lamp].axis_z))
     if cosine <= 0.0:
         return _NOTHING
-    return wi, math.sqrt(square), scaled(vec(s.lamps[lamp].emission), cosine * area / square)
+    share = slats(s, lamp, cosine) * cosine * area / square
+    return wi, math.sqrt(square), scaled(vec(s.lamps[lamp].emission), share)
 
 
 @kernel
@@ -133,23 +180,53 @@ def _sphere_entry(o: Vec, d: Vec, centre: Vec, radius: float) -> float:
 
 
 @kernel
-def seen_lamps(s: Flat, o: Vec, d: Vec, far: float, kind_of_ray: int) -> Vec:
-    """Sum of the radiances of the shapes crossed before ``far`` that such a ray sees."""
+def _sphere_exit(o: Vec, d: Vec, centre: Vec, radius: float) -> float:
+    """Distance at which the ray leaves the sphere that it starts in."""
+    to_centre = along(centre, o, -1.0)
+    middle = dot(to_centre, d)
+    beside = along(to_centre, d, -middle)
+    return middle + math.sqrt(max(0.0, radius * radius - dot(beside, beside)))
+
+
+@kernel
+def seen_lamps(s: Flat, o: Vec, d: Vec, far: float, open_sky: bool, kind_of_ray: int) -> Vec:
+    """Sum of the radiances of the shapes crossed before ``far`` that such a ray sees.
+
+    ``open_sky``: the ray hits nothing, so it sees suns as well.
+    """
     r, g, b = 0.0, 0.0, 0.0
     for lamp in range(len(s.lamps)):
         if s.lamps[lamp].visibility & kind_of_ray:
-            rgb = _seen_lamp(s, lamp, o, d, far)
+            rgb = _seen_lamp(s, lamp, o, d, far, open_sky)
             r, g, b = r + rgb[0], g + rgb[1], b + rgb[2]
     return r, g, b
 
 
 @kernel
-def _seen_lamp(s: Flat, lamp: int, o: Vec, d: Vec, far: float) -> Vec:
+def _round_hit(s: Flat, lamp: int, o: Vec, d: Vec) -> tuple[float, bool]:
+    """Distance to the sphere or facing disc, -1 when missed, and whether from inside."""
+    centre, radius = vec(s.lamps[lamp].position), s.lamps[lamp].radius
+    to_centre = along(centre, o, -1.0)
+    square = dot(to_centre, to_centre)
+    if s.lamps[lamp].soft:
+        forward = dot(to_centre, d)
+        if forward <= 0.0:
+            return -1.0, False
+        t = square / forward
+        gap = along(along(o, d, t), centre, -1.0)
+        return (t, False) if dot(gap, gap) <= radius * radius else (-1.0, False)
+    if square <= radius * radius:
+        return _sphere_exit(o, d, centre, radius), True
+    return _sphere_entry(o, d, centre, radius), False
+
+
+@kernel
+def _seen_lamp(s: Flat, lamp: int, o: Vec, d: Vec, far: float, open_sky: bool) -> Vec:
     dark = (0.0, 0.0, 0.0)
     kind = s.lamps[lamp].kind
     if kind == _SUN:
         angle = s.lamps[lamp].angle
-        if angle <= 0.0 or far < math.inf:
+        if angle <= 0.0 or not open_sky:
             return dark
         # The chord between the directions stays exact for a tiny sun.
         apart = along(d, vec(s.lamps[lamp].axis_z), -1.0)
@@ -160,10 +237,11 @@ def _seen_lamp(s: Flat, lamp: int, o: Vec, d: Vec, far: float) -> Vec:
         radius = s.lamps[lamp].radius
         if radius <= 0.0:
             return dark
-        t = _sphere_entry(o, d, vec(s.lamps[lamp].position), radius)
+        t, within = _round_hit(s, lamp, o, d)
         if t <= 0.0 or t >= far:
             return dark
-        share = spot_share(s, lamp, scaled(d, -1.0))
+        # From inside, a spot's sphere shines all around (seen in Cycles).
+        share = 1.0 if within else spot_share(s, lamp, scaled(d, -1.0))
         return scaled(vec(s.lamps[lamp].emission), share / (math.pi * radius * radius))
     cosine = dot(d, vec(s.lamps[lamp].axis_z))
     if cosine <= 0.0:
@@ -176,4 +254,6 @@ def _seen_lamp(s: Flat, lamp: int, o: Vec, d: Vec, far: float) -> Vec:
     a = 2.0 * dot(point, vec(s.lamps[lamp].axis_x)) / s.lamps[lamp].size_x
     b = 2.0 * dot(point, vec(s.lamps[lamp].axis_y)) / s.lamps[lamp].size_y
     outside = a * a + b * b > 1.0 if kind == _DISK else max(abs(a), abs(b)) > 1.0
-    return dark if outside else vec(s.lamps[lamp].emission)
+    if outside:
+        return dark
+    return scaled(vec(s.lamps[lamp].emission), slats(s, lamp, cosine))

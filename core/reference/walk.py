@@ -13,6 +13,7 @@ from .flat import Flat, Floats
 from .lamps import sample_lamp, seen_lamps
 from .lobes import SPLIT_DIFFUSE, choose, eval_diffuse, pdf_diffuse, sample_diffuse
 from .media import Stack
+from .sky import sky_radiance
 from .specular import PASSED, REFLECTED, scatter_specular
 from .vector import Stream, Vec, along, dot, scaled, times, uniform, vec
 
@@ -61,10 +62,12 @@ def walk(
         layer = _layer(diffuse, chain)
         sampled = diffuse > 0 and chain == 0
         if not sampled:
-            _add(light, layer, scaled(times(beta, seen_lamps(s, o, d, t, ray_kind)), scale))
+            lamps = seen_lamps(s, o, d, t, face < 0, ray_kind)
+            _add(light, layer, scaled(times(beta, lamps), scale))
         if face < 0:
             # The sky is never light-sampled: scattering alone finds it, once.
-            _add(light, layer, scaled(times(beta, vec(s.sky)), scale))
+            if s.sky_visibility & (_DIFFUSE if sampled else ray_kind):
+                _add(light, layer, scaled(times(beta, sky_radiance(s, d)), scale))
             return
         material = s.faces[face].material
         ng = vec(s.faces[face].normal)

@@ -31,8 +31,8 @@ _ARRAYS = tuple(f.name for f in fields(Scene) if f.name not in ("name", "camera"
 #: What NumPy, zipfile and json raise on a file that is not what it says (OSError: a seek to a
 #: place before its start).
 _BROKEN = (
-    zipfile.BadZipFile, zlib.error, EOFError, KeyError, MemoryError, NotImplementedError, OSError,
-    RuntimeError, TypeError, ValueError,
+    zipfile.BadZipFile, zlib.error, EOFError, KeyError, MemoryError, NotImplementedError,
+    OSError, RuntimeError, TypeError, ValueError,
 )  # fmt: skip
 
 

@@ -153,7 +153,28 @@ def test_lamps_that_cannot_shine_are_left_out(bpy: Any) -> None:
     assert "'Off'" not in text
 
 
-def test_spread_warns(bpy: Any) -> None:
+def test_shapes(bpy: Any) -> None:
     add_camera(bpy)
-    add_light(bpy, "AREA", spread=1.0)
-    assert "spread" in export(bpy).warnings[0]
+    add_light(bpy, "AREA", "Slats", spread=1.0)
+    add_light(bpy, "AREA", "Beam", spread=0.0)
+    add_light(bpy, "AREA", "Plain")
+    add_light(bpy, "POINT", "Soft", use_soft_falloff=True)
+    add_light(bpy, "SPOT", "Hard", use_soft_falloff=False).scale = (2.0, 3.0, 4.0)
+    got = export(bpy)
+    assert got.warnings == ()
+    lights = dict(zip(got.scene.light_names, got.scene.lights, strict=True))
+    assert lights["Slats"]["spread"] == pytest.approx(1.0)
+    assert lights["Beam"]["spread"] == pytest.approx(1e-3)
+    assert lights["Plain"]["spread"] == pytest.approx(math.pi)
+    assert (lights["Soft"]["soft"], lights["Hard"]["soft"]) == (1, 0)
+    assert (lights["Hard"]["size_x"], lights["Hard"]["size_y"]) == pytest.approx((0.5, 0.75))
+
+
+def test_without_shadows(bpy: Any) -> None:
+    add_camera(bpy)
+    add_light(bpy, "SUN", "Plain")
+    assert export(bpy).scene.lights["shadow"].tolist() == [1]
+    bpy.data.lights["Plain"].use_shadow = False
+    got = export(bpy)
+    assert got.scene.lights["shadow"].tolist() == [0]
+    assert "without shadows" in got.warnings[0]

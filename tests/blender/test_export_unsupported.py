@@ -71,12 +71,6 @@ def test_light_linking(bpy: Any) -> None:
     assert "light linking is ignored: object 'Lamp'" in warnings(bpy)
 
 
-def test_an_uneven_spot(bpy: Any) -> None:
-    add_camera(bpy)
-    add_light(bpy, "SPOT", "Oval").scale = (3.0, 1.0, 1.0)
-    assert "light 'Oval': uneven scale" in warnings(bpy)
-
-
 def test_a_portal_emits_nothing(bpy: Any) -> None:
     add_camera(bpy)
     lamp = add_light(bpy, "AREA", "Window")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from photon_map.core.geometry.mesh import centre_of, centred_mesh
+from photon_map.core.lights.emission import reaches
 from photon_map.core.lights.light_set import light_set
 from photon_map.core.photons.emit import PHOTON_PATH, emit_photons
 from photon_map.core.scene.builder import SceneBuilder, diffuse
@@ -15,6 +16,7 @@ from photon_map.tests import scenes
 from photon_map.tests.statistics import integral, same_means
 
 PASSES, COUNT = 40, 4096
+TURN = scenes.look_at((0, 0, 0), (1, 2, 3))[:3, :3]
 HEIGHT = 2.0
 SPHERES = np.array([[0.0, 0.0, 0.0, 0.8], [0.3, 0.2, 0.0, 0.3]])
 
@@ -53,8 +55,19 @@ def builder(kind):
         b.add_point_light("lamp", (0, 0, HEIGHT), 5.0, radius=0.4 * (kind == "sphere"))
     elif kind == "spot":
         b.add_spot_light("lamp", at((0, 0, HEIGHT)), 5.0, 0.6, blend=1.0)
-    elif kind in ("rectangle", "disk"):
-        b.add_area_light("lamp", at((0, 0, HEIGHT)), 4.0, 1.0, 1.0, disk=kind == "disk")
+    elif kind == "stretched spot":
+        b.add_spot_light(
+            "lamp", at((0, 0, HEIGHT)), 5.0, 0.6, blend=1.0, size_x=1.5, size_y=0.8
+        )
+    elif kind == "soft":
+        b.add_point_light("lamp", (0, 0, HEIGHT), 5.0, radius=0.8, soft=1)
+    elif kind in ("rectangle", "disk", "spread"):
+        spread = 2.0 if kind == "spread" else math.pi
+        b.add_area_light(
+            "lamp", at((0, 0, HEIGHT)), 4.0, 1.0, 1.0, disk=kind == "disk", spread=spread
+        )
+    elif kind == "map":
+        b.set_world(0.5, np.random.default_rng(4).random((6, 9, 3)) ** 4, rotation=TURN)
     elif kind == "faces":
         panel = scenes.plane(0.5, HEIGHT)
         b.add_mesh("panel", *panel, b.add_material("panel", emission=4.0))
@@ -77,6 +90,11 @@ def total_flux(kind, radius):
         "point": 4 * math.pi * 5,
         "sphere": 4 * math.pi * 5,
         "spot": 2 * math.pi * 5 * smooth,
+        # A linear map S stretches the cone: its solid angle by the mean of det S / |S w|^3.
+        "stretched spot": 5 * stretched_cone(1.5, 0.8),
+        "soft": 4 * math.pi * 5,
+        "spread": math.pi * 4,
+        "map": 0.5 * map_integral() * math.pi * radius**2,
         "rectangle": math.pi * 4,
         "disk": math.pi * 4 * math.pi / 4,
         "faces": 2 * math.pi * 4,
@@ -87,7 +105,38 @@ def total_flux(kind, radius):
     }[kind]
 
 
+def stretched_cone(a, b):
+    """Integral of the falloff over the directions of a cone stretched by ``a`` and ``b``."""
+    nodes, weights = np.polynomial.legendre.leggauss(64)
+    c = math.cos(0.6) + (1 - math.cos(0.6)) * (nodes + 1) / 2
+    phi = (np.arange(128) + 0.5) / 128 * 2 * np.pi
+    t = (c - math.cos(0.6)) / (1 - math.cos(0.6))
+    share = weights * t * t * (3 - 2 * t) * (1 - math.cos(0.6)) / 2
+    s = np.sqrt(1 - c * c)[:, None]
+    length = np.sqrt((a * s * np.cos(phi)) ** 2 + (b * s * np.sin(phi)) ** 2 + c[:, None] ** 2)
+    return float((share[:, None] * a * b / length**3).sum() * 2 * np.pi / 128)
+
+
+def map_integral():
+    """Integral of the map's first channel over all directions, from its definition."""
+    texels = np.random.default_rng(4).random((6, 9, 3))[..., 0] ** 4
+    n = 1200
+    y = (np.arange(n) + 0.5) / n
+    across = (np.arange(n) + 0.5) / n * 9 - 0.5
+    above = y * 6 - 0.5
+    i, j = np.floor(above).astype(int), np.floor(across).astype(int)
+    t, s = (above - i)[:, None], across - j
+    low = texels[i % 6][:, j % 9] * (1 - s) + texels[i % 6][:, (j + 1) % 9] * s
+    high = texels[(i + 1) % 6][:, j % 9] * (1 - s) + texels[(i + 1) % 6][:, (j + 1) % 9] * s
+    weight = np.cos((y - 0.5) * np.pi)[:, None]
+    return float(((low * (1 - t) + high * t) * weight).sum() * (np.pi / n) * (2 * np.pi / n))
+
+
 KINDS = [
+    "stretched spot",
+    "soft",
+    "spread",
+    "map",
     "point",
     "sphere",
     "spot",
@@ -118,8 +167,28 @@ def plate_factor(x, y):
     return corner(u1, v1) - corner(u0, v1) - corner(u1, v0) + corner(u0, v0)
 
 
+def spread_irradiance(x, y):
+    """Slats of a half spread of 1 rad before the unit square, point by point."""
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    total = 0 * x * y
+    for a, wa in zip(nodes / 2, weights / 2, strict=True):
+        for b, wb in zip(nodes / 2, weights / 2, strict=True):
+            side2 = (x - a) ** 2 + (y - b) ** 2
+            share = (1 - np.sqrt(side2) / HEIGHT / math.tan(1)) / (1 - 1 / math.tan(1))
+            total = total + wa * wb * share * HEIGHT**2 / (side2 + HEIGHT**2) ** 2
+    return 4.0 * total
+
+
 def irradiance(kind, x, y):
     square = x * x + y * y + HEIGHT**2
+    if kind == "soft":
+        return 5.0 * HEIGHT / (np.sqrt(square) * (square + 0.8**2))
+    if kind == "spread":
+        return spread_irradiance(x, y)
+    if kind == "stretched spot":
+        c = HEIGHT / np.sqrt((x / 1.5) ** 2 + (y / 0.8) ** 2 + HEIGHT**2)
+        t = np.clip((c - math.cos(0.6)) / (1 - math.cos(0.6)), 0, 1)
+        return 5.0 * HEIGHT / square**1.5 * t * t * (3 - 2 * t)
     if kind in ("point", "sphere"):
         return 5.0 * HEIGHT / square**1.5
     if kind == "spot":
@@ -133,12 +202,21 @@ def irradiance(kind, x, y):
 
 
 @pytest.mark.parametrize("aimed", [False, True])
-@pytest.mark.parametrize("kind", [k for k in KINDS if k != "disk"])
+@pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("disk", "map")])
 def test_photons_bring_the_irradiance_of_the_closed_form(kind, aimed):
-    origins, directions, flux, _ = emitted(builder(kind), aimed)
+    origins, directions, flux, lights = emitted(builder(kind), aimed)
     down = directions[:, :, 2] < 0
     drop = np.where(down, directions[:, :, 2], -1.0)
     landing = origins - directions * (origins[:, :, 2] / drop)[:, :, None]
+    if kind == "soft":
+        beside = ((origins - (0, 0, HEIGHT)) ** 2).sum(axis=2)
+        apart = ((landing - (0, 0, HEIGHT)) ** 2).sum(axis=2)
+        seen = beside * (apart + 0.64) <= 0.64 * apart
+        assert [
+            reaches(lights, 0, tuple(o), tuple(p))
+            for o, p in zip(origins[0, :99], landing[0, :99], strict=True)
+        ] == list(seen[0, :99])
+        down &= seen
     # A patch that lies inside of the first sphere: aimed photons cover all of it.
     bins, half = 6, 0.5
     arrived = np.array(

@@ -28,16 +28,33 @@ def lamp(name):
         b.add_point_light("lamp", PLACE[:3, 3], 5.0, radius=1e-6)
     elif name == "spot":
         b.add_spot_light("lamp", PLACE, 5.0, 0.7, blend=0.5, radius=0.3)
+    elif name == "stretched spot":
+        b.add_spot_light("lamp", PLACE, 5.0, 0.7, blend=0.5, radius=0.3, size_x=2.0, size_y=0.5)
+    elif name == "soft":
+        b.add_point_light("lamp", PLACE[:3, 3], 5.0, radius=0.5, soft=1)
+    elif name == "around":
+        b.add_point_light("lamp", (0.4, -0.2, 0.1), 5.0, radius=0.5)
     elif name == "sun":
         b.add_sun_light("lamp", PLACE, 3.0, angle=0.5)
     elif name == "small sun":
         b.add_sun_light("lamp", PLACE, 3.0, angle=1e-4)
     else:
-        b.add_area_light("lamp", PLACE, 4.0, 1.5, 0.8, disk=name == "disk")
+        spread = {"narrow rectangle": 0.6, "narrow disk": 0.6, "wide disk": 2.5}.get(
+            name, 3.1416
+        )
+        b.add_area_light(
+            "lamp", PLACE, 4.0, 1.5, 0.8, disk="disk" in name, spread=min(spread, math.pi)
+        )
     return prepared(b)[:3]
 
 
 SHAPES = [
+    "soft",
+    "around",
+    "stretched spot",
+    "narrow rectangle",
+    "narrow disk",
+    "wide disk",
     "sphere",
     "near sphere",
     "tiny sphere",
@@ -56,24 +73,28 @@ def test_what_is_sampled_is_what_a_ray_sees(name, rng):
         lights, mesh, materials, 0, POINT, rng.random((2000, 3))
     )
     assert not delta.any()
-    np.testing.assert_allclose(np.linalg.norm(wi, axis=1), 1, rtol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(wi[pdf_w > 0], axis=1), 1, rtol=1e-9)
     seen = [see_lamp(lights.lamps[0], POINT, tuple(w)) for w in wi]
     t, light, density = (np.array(column) for column in zip(*seen, strict=True))
     # A few directions at the rim may miss by rounding.
     hit = t > 0
-    assert hit.mean() > 0.99
+    assert hit[pdf_w > 0].mean() > 0.99
+    hit &= pdf_w > 0
     np.testing.assert_allclose(t[hit], distance[hit], rtol=1e-5)
     np.testing.assert_allclose(light[hit], radiance[hit], rtol=1e-5, atol=1e-9)
     np.testing.assert_allclose(density[hit], pdf_w[hit], rtol=1e-5)
 
 
-@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize(
+    "name", [name for name in SHAPES if name not in ("narrow disk", "around")]
+)
 def test_density_integrates_to_one(name, rng):
     lights, mesh, materials = lamp(name)
     shape = lights.lamps[0]
     # A cone around the lamp's shape, sampled uniformly.
     to_lamp = PLACE[:3, 2] if "sun" in name else np.array(shape["position"]) - POINT
-    reach = {"rectangle": 0.9, "disk": 0.9}.get(name, shape["radius"] * 1.01)
+    plate = "rectangle" in name or "disk" in name
+    reach = 0.9 if plate else shape["radius"] * 1.01
     distance = np.linalg.norm(to_lamp)
     half = 0.51 * shape["angle"] if "sun" in name else math.asin(min(1.0, reach / distance))
     axis = to_lamp / distance
@@ -116,11 +137,16 @@ def test_plates_are_uniform_in_area(name, rng):
     uniform_square(x + 0.5, y + 0.5, tests=2)
 
 
-def test_inside_and_behind_a_lamp_there_is_no_light():
+def test_inside_a_sphere_it_shines_all_around():
     lights, mesh, materials = lamp("sphere")
-    inside = tuple(lights.lamps[0]["position"] + 0.1)
-    assert sample_li(lights, mesh, materials, 0, inside, UP, 0.5, 0.5, 0.5)[3] == 0
-    assert see_lamp(lights.lamps[0], inside, (0.0, 0.0, 1.0))[0] < 0
+    inside = tuple(lights.lamps[0]["position"] + (0.0, 0.0, 0.1))
+    light = 5.0 / (math.pi * 0.25)
+    assert sample_li(lights, mesh, materials, 0, inside, UP, 0.5, 0.5, 0.5)[2][0] == light
+    t, seen, _ = see_lamp(lights.lamps[0], inside, (0.0, 0.0, 1.0))
+    assert (t, seen[0]) == (pytest.approx(0.4), light)
+
+
+def test_behind_an_area_lamp_there_is_no_light():
     lights, mesh, materials = lamp("rectangle")
     behind = tuple(PLACE[:3, 3] + PLACE[:3, 2])
     assert sample_li(lights, mesh, materials, 0, behind, UP, 0.5, 0.5, 0.5)[3] == 0
