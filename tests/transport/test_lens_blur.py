@@ -60,6 +60,7 @@ def test_a_three_bladed_aperture_is_a_triangle():
     image = picture(4.0, 2.0, 0.7, blades=3)
     per_metre = SIZE / (2 * np.tan(np.radians(20))) / 4.0
     circle = 0.7 * per_metre
-    lit = (image > 0.5 * image.max()).sum()
+    # Half of a usual pixel's light: the brightest one is bright by chance.
+    lit = (image > 0.5 * np.percentile(image[image > 0], 80)).sum()
     triangle = 3 * np.sqrt(3) / 4 * circle**2
     assert lit == pytest.approx(triangle, rel=0.15)
