@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera_pass.caustics import footprints
-from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather
+from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather, wide_only
 from .film.film import SAMPLE
 from .prepared import Prepared
 from .settings import Settings
@@ -41,15 +41,16 @@ def first_radii(
     stride = max(1, total // PIXELS)
     pixels = Pixels(0, total // stride, stride)
     samples = np.zeros(pixels.count, SAMPLE)
-    rays = Rays(pixels.count)
-    vertices = trace_camera(prepared, settings, region, PILOT_PASS, pixels, rays, samples)
-    ends, _ = trace_gather(prepared, settings, PILOT_PASS, vertices, samples)
+    rays = Rays(prepared, pixels.count)
+    lit = trace_camera(prepared, settings, region, PILOT_PASS, pixels, rays, samples)
+    lit = wide_only(lit)
+    far, _ = trace_gather(prepared, settings, PILOT_PASS, lit, samples)
     size = prepared.centre.radius
-    seen = footprints(prepared.camera, np.ascontiguousarray(vertices["length"]))
+    seen = footprints(prepared.camera, np.ascontiguousarray(lit.vertices["length"]))
     typical = float(np.median(seen)) if len(seen) else 1e-3 * size
     typical = max(typical * settings.caustic_radius, 1e-7 * size)
     caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, 2 * typical)
-    return Radii(caustic, _global_radius(photons, ends["p"], size))
+    return Radii(caustic, _global_radius(photons, far.vertices["p"], size))
 
 
 def _global_radius(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .photons.casters import caster_materials, receiver_materials
+from .photons.casters import caster_strength, receiver_materials
 from .scene.scene import Scene
 from .scene.tables import LightKind
 from .settings import Settings
@@ -60,7 +60,7 @@ class _Facts:
         self.sky = f"the world, a map of {columns}x{rows}" if rows else "the world"
         self.lights = self.lamps + bool(self.emissive_faces) + self.world
         self.faces = len(scene.faces)
-        casts = caster_materials(scene) & used
+        casts = (caster_strength(scene) > 0) & used
         casting = np.isin(scene.face_material, np.flatnonzero(casts))
         self.casters = [scene.object_names[k] for k in np.unique(scene.face_object[casting])]
         self.media = int(((scene.materials["ior"] > 0) & used).sum())
@@ -106,7 +106,7 @@ def _caustics(scene: Scene, facts: _Facts, settings: Settings) -> Stage:
     if facts.lights == 0:
         return Stage("caustics", False, "no light")
     if not facts.casters:
-        return Stage("caustics", False, "no mirror or glass")
+        return Stage("caustics", False, "no surface reflects or refracts sharply")
     if not facts.receives:
         return Stage("caustics", False, "no surface for a caustic to fall on")
     if settings.photons_caustic == 0:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .bsdf.resolve import MOST_LOBES
 from .camera.perspective import CameraTables, camera_tables
 from .film.filters import filter_table
 from .geometry.intersector import Intersector
@@ -16,7 +17,9 @@ from .geometry.mesh import Centre, Mesh, centre_of, centred_mesh
 from .lights.light_set import LightSet, light_set
 from .photons.aim import Aim, aim_at
 from .scene.scene import Scene, SceneError
+from .scene.tables import LOBE, Visibility
 from .settings import Settings
+from .textures.shading import ShadingTables, shading_tables
 
 
 class Prepared(NamedTuple):
@@ -36,6 +39,19 @@ class Prepared(NamedTuple):
     camera_media: NDArray[np.int32]
     aim: Aim
     intersector: Intersector
+    shading: ShadingTables
+    has_sieves: bool
+
+    def lobe_room(self, surfaces: int) -> NDArray[np.void]:
+        """The lobe table, with room behind it for those worked out at ``surfaces`` hits.
+
+        There is always room for two more. Scenes whose materials are all constant need none.
+        """
+        if len(self.shading.closures) == 0:
+            return self.lobes
+        table = np.empty(len(self.lobes) + (surfaces + 2) * MOST_LOBES, LOBE)
+        table[: len(self.lobes)] = self.lobes
+        return table
 
 
 def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prepared:
@@ -80,4 +96,14 @@ def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prep
         camera_media=media_at(camera.position),
         aim=aim_at(scene, mesh, lights),
         intersector=intersector,
+        shading=shading_tables(scene),
+        has_sieves=_has_sieves(scene, mesh),
     )
+
+
+def _has_sieves(scene: Scene, mesh: Mesh) -> bool:
+    """Whether some face lets a shadow ray through."""
+    if len(mesh.visible) == 0:
+        return False
+    hidden = bool(((mesh.visible & int(Visibility.SHADOW)) == 0).any())
+    return hidden or bool((scene.materials["passes"][mesh.material] != 0).any())

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
-
 import numpy as np
+from numpy.typing import NDArray
 
 from ..geometry.vector import vector
 from ..jit import Row, Table, kernel
 from ..photons.gather import gather_radiance
-from .paths import add
+from .seen import add
 
 
 @kernel
@@ -27,18 +26,22 @@ def footprint(camera: Row, length: float) -> float:
     return math.sqrt(pixel * pixel + blur * blur)
 
 
-@kernel
-def footprints(camera: Row, lengths: Table) -> Any:
+def footprints(camera: Row, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
     """``footprint`` of each of ``lengths`` (N,)."""
     out = np.zeros(len(lengths))
-    for k in range(len(lengths)):
-        out[k] = footprint(camera, lengths[k])
+    fill_footprints(camera, lengths, out)
     return out
 
 
 @kernel
+def fill_footprints(camera: Row, lengths: Table, out: Table) -> None:
+    """Write ``footprint`` of each of ``lengths`` (N,) to ``out`` (N,)."""
+    for k in range(len(lengths)):
+        out[k] = footprint(camera, lengths[k])
+
+
+@kernel
 def gather_caustics(
-    materials: Table,
     lobes: Table,
     camera: Row,
     photon_map: Row,
@@ -57,6 +60,6 @@ def gather_caustics(
         radius = min(max(radius, radii[1]), radii[2])
         radiance, _ = gather_radiance(
             photon_map, vector(vertex.p), vector(vertex.ng), vector(vertex.ns),
-            vector(vertex.wo), radius, materials[vertex.row], lobes,
+            vector(vertex.wo), radius, vertex, lobes,
         )  # fmt: skip
         add(samples[vertex.slot].caustics, vertex.beta, radiance, 1.0)

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bsdf.dispatch import NARROW
+from ..bsdf.hit import HIT
 from ..film.film import SAMPLE
 from ..photons.photon_map import PhotonMap
 from ..prepared import Prepared
@@ -18,6 +20,7 @@ from .direct import add_direct, sample_direct
 from .indirect import gather_indirect, start_gather
 from .paths import start_paths, step_paths
 from .records import PATH, VERTEX
+from .shadow import free_part
 
 
 class Region(NamedTuple):
@@ -72,11 +75,20 @@ class Chunk(NamedTuple):
 class Rays:
     """Buffers of the rays under way and where they stop."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, prepared: Prepared, count: int) -> None:
         self.origins = np.zeros((count, 3), np.float32)
         self.directions = np.zeros((count, 3), np.float32)
         self.paths = np.zeros(count, PATH)
+        self.hits = np.zeros(1, HIT)
+        self.lobes = prepared.lobe_room(count)
         self.traced = 0
+
+
+class Lit(NamedTuple):
+    """Vertices that paths left, ``VERTEX`` rows, and the table that holds their lobes."""
+
+    vertices: NDArray[np.void]
+    lobes: NDArray[np.void]
 
 
 def trace_chunk(
@@ -89,23 +101,30 @@ def trace_chunk(
 ) -> Chunk:
     """Render ``pixels`` of ``region`` in pass ``i`` with the photons of ``maps``."""
     samples = np.zeros(pixels.count, SAMPLE)
-    rays = Rays(pixels.count)
-    vertices = trace_camera(prepared, settings, region, i, pixels, rays, samples)
-    if len(vertices):
+    rays = Rays(prepared, pixels.count)
+    lit = trace_camera(prepared, settings, region, i, pixels, rays, samples)
+    rays.traced += _light_directly(prepared, settings, i, lit, samples)
+    ends = wide_only(lit)
+    if len(ends.vertices):
         if maps.caustic is not None:
             gather_caustics(
-                prepared.materials, prepared.lobes, prepared.camera, maps.caustic,
-                maps.caustic_radii, vertices, len(vertices), samples,
+                ends.lobes, prepared.camera, maps.caustic, maps.caustic_radii, ends.vertices,
+                len(ends.vertices), samples,
             )  # fmt: skip
-        rays.traced += _light_directly(prepared, settings, i, vertices, samples)
-        ends, traced = trace_gather(prepared, settings, i, vertices, samples)
+        far, traced = trace_gather(prepared, settings, i, ends, samples)
         rays.traced += traced
         if maps.global_ is not None:
             gather_indirect(
-                prepared.materials, prepared.lobes, maps.global_, maps.global_radius,
-                ends, len(ends), samples,
+                far.lobes, maps.global_, maps.global_radius, far.vertices, len(far.vertices),
+                samples,
             )  # fmt: skip
     return Chunk(pixels, samples, rays.traced)
+
+
+def wide_only(lit: Lit) -> Lit:
+    """The vertices at which photons are gathered."""
+    narrow = lit.vertices["part"] == NARROW
+    return Lit(lit.vertices[~narrow], lit.lobes) if narrow.any() else lit
 
 
 def trace_camera(
@@ -116,7 +135,7 @@ def trace_camera(
     pixels: Pixels,
     rays: Rays,
     samples: NDArray[np.void],
-) -> NDArray[np.void]:
+) -> Lit:
     """Camera chains of ``pixels``: emission and first hits into ``samples``, their ends."""
     start_paths(
         prepared.camera, prepared.camera_media, region.x0, region.y0, region.width,
@@ -127,17 +146,13 @@ def trace_camera(
 
 
 def trace_gather(
-    prepared: Prepared,
-    settings: Settings,
-    i: int,
-    vertices: NDArray[np.void],
-    samples: NDArray[np.void],
-) -> tuple[NDArray[np.void], int]:
-    """Final-gather rays from ``vertices``: their half of direct light; (ends, rays)."""
-    rays = Rays(len(vertices) * settings.gather_rays)
+    prepared: Prepared, settings: Settings, i: int, lit: Lit, samples: NDArray[np.void]
+) -> tuple[Lit, int]:
+    """Final-gather rays from wide vertices: their half of direct light; (ends, rays)."""
+    rays = Rays(prepared, len(lit.vertices) * settings.gather_rays)
     count = start_gather(
-        i, settings.gather_rays, prepared.materials, prepared.lobes, vertices, len(vertices),
-        rays.origins, rays.directions, rays.paths,
+        i, settings.gather_rays, prepared.materials, lit.lobes, lit.vertices,
+        len(lit.vertices), rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
     return _follow(prepared, settings, i, rays, count, True, samples), rays.traced
 
@@ -150,45 +165,57 @@ def _follow(
     count: int,
     gather: bool,
     samples: NDArray[np.void],
-) -> NDArray[np.void]:
-    """Follow ``count`` chains to their ends, which come back as ``VERTEX`` rows."""
+) -> Lit:
+    """Follow ``count`` chains to their ends."""
     # The first step ends most chains: the rest add little to a list that fits them.
     parts: list[NDArray[np.void]] = []
+    own = len(prepared.lobes)
+    tables, filled = [prepared.lobes], own
     while count:
         rays.traced += count
         hits = prepared.intersector.nearest(rays.origins[:count], rays.directions[:count])
         vertices = np.zeros(count, VERTEX)
-        count, stopped = step_paths(
-            prepared.mesh, prepared.materials, prepared.lobes, prepared.lights,
+        count, lit, used = step_paths(
+            prepared.mesh, prepared.materials, rays.lobes, prepared.shading, prepared.lights,
             prepared.camera, i, gather, settings.transparent, settings.camera_depth,
-            settings.min_throughput, hits.face, hits.u, hits.v, count, rays.origins,
-            rays.directions, rays.paths, vertices, samples,
+            settings.min_throughput, own, hits.face, hits.u, hits.v, rays.hits, count,
+            rays.origins, rays.directions, rays.paths, vertices, samples,
         )  # fmt: skip
-        if stopped:
-            parts.append(vertices[:stopped])
+        if not lit:
+            continue
+        vertices = vertices[:lit]
+        if used > own:
+            # The lobes worked out in this step move behind those of the steps before.
+            start = vertices["lobe_start"]
+            start[start >= own] += filled - own
+            tables.append(rays.lobes[own:used].copy())
+            filled += used - own
+        parts.append(vertices)
+    lobes = tables[0] if len(tables) == 1 else np.concatenate(tables)
     if len(parts) == 1:
-        return parts[0]
-    return np.concatenate(parts) if parts else np.zeros(0, VERTEX)
+        return Lit(parts[0], lobes)
+    return Lit(np.concatenate(parts) if parts else np.zeros(0, VERTEX), lobes)
 
 
 def _light_directly(
-    prepared: Prepared,
-    settings: Settings,
-    i: int,
-    vertices: NDArray[np.void],
-    samples: NDArray[np.void],
+    prepared: Prepared, settings: Settings, i: int, lit: Lit, samples: NDArray[np.void]
 ) -> int:
-    """Next-event estimation at ``vertices``; the number of shadow rays."""
-    count = len(vertices)
+    """Next-event estimation at the vertices; the number of shadow rays."""
+    count = len(lit.vertices)
+    if count == 0:
+        return 0
     origins = np.zeros((count, 3), np.float32)
     directions = np.zeros((count, 3), np.float32)
     lengths = np.zeros(count, np.float32)
     slots = np.zeros(count, np.int32)
     radiance = np.zeros((count, 3))
     asked: int = sample_direct(
-        i, settings.gather_rays, prepared.mesh, prepared.materials, prepared.lobes,
-        prepared.lights, vertices, count, origins, directions, lengths, slots, radiance,
+        i, settings.gather_rays, prepared.mesh, prepared.materials, lit.lobes,
+        prepared.lights, lit.vertices, count, origins, directions, lengths, slots, radiance,
     )  # fmt: skip
-    free = prepared.intersector.is_free(origins[:asked], directions[:asked], lengths[:asked])
+    room = prepared.lobe_room(0)
+    free, traced = free_part(
+        prepared, room, origins[:asked], directions[:asked], lengths[:asked]
+    )
     add_direct(free, slots, radiance, asked, samples)
-    return asked
+    return traced

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from ..bsdf.dispatch import eval_nonspecular, pdf_nonspecular
+from ..bsdf.dispatch import WIDE, eval_part, part_bit, pdf_part
 from ..geometry.interaction import OFFSET, leave
-from ..geometry.vector import along, dot, scale, store, subtract, vector
+from ..geometry.media import current_medium, medium_around, transmittance
+from ..geometry.vector import along, dot, store, subtract, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR, casts_shadow, sample_li, visibility_of
 from ..lights.selection import select_light
 from ..sampling.rng import camera_2d
-from ..scene.tables import Visibility
-from .paths import power_heuristic
 from .records import LIGHT, LIGHT_POINT
-
-_DIFFUSE_BIT = int(Visibility.DIFFUSE)
+from .seen import power_heuristic
 
 
 @kernel
@@ -49,24 +47,27 @@ def sample_direct(
         entry, prob = select_light(lights, p, u_light)
         if entry < 0 or prob <= 0.0:
             continue
-        if visibility_of(lights, entry) & _DIFFUSE_BIT == 0:
-            continue
         u, v = camera_2d(i, vertex.pixel_key, LIGHT_POINT)
         wi, distance, light, pdf_w, delta = sample_li(
             lights, mesh, materials, entry, p, ns, u_face, u, v
         )
-        if not pdf_w > 0.0 or dot(wi, ng) <= 0.0:
+        behind = dot(wi, ng) < 0.0
+        if not pdf_w > 0.0 or behind != (dot(wi, ns) < 0.0):
             continue
-        material = materials[vertex.row]
-        f = eval_nonspecular(material, lobes, ns, wo, wi)
+        bit = part_bit(vertex, lobes, vertex.part, behind)
+        if visibility_of(lights, entry) & bit == 0:
+            continue
+        f = eval_part(vertex, lobes, ns, wo, wi, vertex.part)
         if not max(f) > 0.0:
             continue
-        weight = dot(wi, ns) / (pdf_w * prob)
+        weight = abs(dot(wi, ns)) / (pdf_w * prob)
         shadow = casts_shadow(lights, entry)
         # Light that nothing blocks is found here alone: a ray would stop at what is between.
         if not delta and shadow:
-            pdf_bsdf = pdf_nonspecular(material, lobes, ns, wo, wi)
-            weight *= power_heuristic(pdf_w * prob, rays_each * pdf_bsdf)
+            pdf_bsdf = pdf_part(vertex, lobes, ns, wo, wi, vertex.part)
+            if vertex.part == WIDE:
+                pdf_bsdf *= rays_each
+            weight *= power_heuristic(pdf_w * prob, pdf_bsdf)
         o = leave(p, ng, wi, vertex.offset)
         d = wi
         length = FAR
@@ -85,20 +86,22 @@ def sample_direct(
         store(directions[out], d)
         lengths[out] = length
         slots[out] = vertex.slot
-        brought = scale((f[0] * light[0], f[1] * light[1], f[2] * light[2]), weight)
-        radiance[out, 0] = vertex.beta[0] * brought[0]
-        radiance[out, 1] = vertex.beta[1] * brought[1]
-        radiance[out, 2] = vertex.beta[2] * brought[2]
+        medium = current_medium(materials, vertex)
+        if behind and materials[vertex.row].ior > 0.0:
+            medium = vertex.row
+            if not vertex.entering:
+                medium = medium_around(materials, vertex, vertex.row, False)
+        left = transmittance(materials, medium, distance)
+        for c in range(3):
+            radiance[out, c] = vertex.beta[c] * f[c] * light[c] * left[c] * weight
         out += 1
     return out
 
 
 @kernel
 def add_direct(free: Table, slots: Table, radiance: Table, count: int, samples: Table) -> None:
-    """Add what the free shadow rays bring to their pixels."""
+    """Add what the shadow rays bring to their pixels; ``free`` (n, 3) is what gets through."""
     for k in range(count):
-        if free[k]:
-            target = samples[slots[k]].direct
-            target[0] += radiance[k, 0]
-            target[1] += radiance[k, 1]
-            target[2] += radiance[k, 2]
+        target = samples[slots[k]].direct
+        for c in range(3):
+            target[c] += radiance[k, c] * free[k, c]

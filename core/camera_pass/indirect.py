@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..bsdf.dispatch import eval_nonspecular, pdf_nonspecular, sample_nonspecular
+from ..bsdf.dispatch import WIDE, part_bit
+from ..bsdf.scatter import scatter
 from ..geometry.interaction import leave
-from ..geometry.media import copy_media
-from ..geometry.vector import dot, store, vector
+from ..geometry.media import copy_media, cross_surface
+from ..geometry.vector import store, vector
 from ..jit import Row, Table, kernel
 from ..photons.gather import gather_radiance
 from ..sampling.rng import camera_2d, mix, uniform
-from ..scene.tables import Visibility
-from .paths import add
 from .records import GATHER, GATHER_LOBE, GATHER_STEP
-
-_DIFFUSE_BIT = int(Visibility.DIFFUSE)
+from .seen import add
 
 
 @kernel
@@ -37,35 +35,38 @@ def start_gather(
     out = 0
     for k in range(count):
         vertex = vertices[k]
-        ns = vector(vertex.ns)
-        ng = vector(vertex.ng)
-        wo = vector(vertex.wo)
-        material = materials[vertex.row]
         for j in range(rays_each):
             u, v = camera_2d(i, vertex.pixel_key, GATHER, j, rays_each)
             u_lobe = uniform(vertex.key, GATHER_LOBE + GATHER_STEP * j)
-            wi = sample_nonspecular(material, lobes, ns, wo, u_lobe, u, v)
-            pdf_w = pdf_nonspecular(material, lobes, ns, wo, wi)
-            if not pdf_w > 0.0 or dot(wi, ng) <= 0.0:
+            wi, weight, pdf_w, transmitted, eta = scatter(
+                materials, lobes, vertex, vertex, WIDE, u_lobe, u, v
+            )
+            if not max(weight) > 0.0:
                 continue
-            f = eval_nonspecular(material, lobes, ns, wo, wi)
-            weight = dot(wi, ns) / (pdf_w * rays_each)
+            share = 1.0 / rays_each
             path = paths[out]
+            copy_media(path, vertex)
+            if transmitted:
+                share /= eta * eta
+                if materials[vertex.row].ior > 0.0:
+                    cross_surface(path, vertex.row, vertex.entering != 0)
             path.key = mix(vertex.key + np.uint64(j))
             path.pixel_key = vertex.pixel_key
             path.slot = vertex.slot
             path.depth = vertex.depth
-            path.event = _DIFFUSE_BIT
+            path.steps = 0
+            path.event = part_bit(vertex, lobes, WIDE, transmitted)
             path.length = vertex.length
+            path.since = 0.0
             path.pdf_w = pdf_w * rays_each
-            path.beta[0] = vertex.beta[0] * f[0] * weight
-            path.beta[1] = vertex.beta[1] * f[1] * weight
-            path.beta[2] = vertex.beta[2] * f[2] * weight
+            path.beta[0] = vertex.beta[0] * weight[0] * share
+            path.beta[1] = vertex.beta[1] * weight[1] * share
+            path.beta[2] = vertex.beta[2] * weight[2] * share
+            o = leave(vector(vertex.p), vector(vertex.ng), wi, vertex.offset)
             store(path.direction, wi)
-            store(path.origin, vector(vertex.p))
-            store(path.normal, ns)
-            copy_media(path, vertex)
-            store(origins[out], leave(vector(vertex.p), ng, wi, vertex.offset))
+            store(path.origin, o)
+            store(path.normal, vector(vertex.ns))
+            store(origins[out], o)
             store(directions[out], wi)
             out += 1
     return out
@@ -73,7 +74,6 @@ def start_gather(
 
 @kernel
 def gather_indirect(
-    materials: Table,
     lobes: Table,
     photon_map: Row,
     radius: float,
@@ -86,6 +86,6 @@ def gather_indirect(
         vertex = vertices[k]
         radiance, _ = gather_radiance(
             photon_map, vector(vertex.p), vector(vertex.ng), vector(vertex.ns),
-            vector(vertex.wo), radius, materials[vertex.row], lobes,
+            vector(vertex.wo), radius, vertex, lobes,
         )  # fmt: skip
         add(samples[vertex.slot].indirect, vertex.beta, radiance, 1.0)

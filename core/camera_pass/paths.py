@@ -1,29 +1,36 @@
-"""Specular chains: from the lens, or from a gather point, to the next wide scatterer."""
+"""Chains of narrow scattering: from the lens, or from a gather point, to a wide scatterer."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from ..bsdf.dispatch import albedo_nonspecular
-from ..bsdf.dispatch import whole_weights as lobe_weights
-from ..bsdf.specular import scatter_specular
+import numpy as np
+
+from ..bsdf.dispatch import NARROW, WIDE, albedo_nonspecular, lobe_weights, part_bit
+from ..bsdf.hit import meet, shade
+from ..bsdf.scatter import choose_transparency, goes_through, has_rough_narrow, scatter
 from ..camera.lens import camera_ray
-from ..geometry.interaction import OFFSET, interact, leave
-from ..geometry.media import copy_media, cross_surface
+from ..geometry.interaction import leave
+from ..geometry.media import copy_media, cross_surface, current_medium, transmittance
 from ..geometry.vector import Vector, dot, read, scale, store, subtract, vector
 from ..jit import Row, Table, kernel
-from ..lights.dispatch import FAR, pdf_emitter_hit, see_lamp, visibility_of
-from ..lights.mesh import face_normal
-from ..lights.selection import selection_probability
-from ..lights.world import pdf_world, world_radiance
-from ..sampling.rng import CAMERA, camera_2d, stream, uniform
+from ..sampling.rng import CAMERA, camera_2d, mix, stream, uniform
 from ..scene.tables import Visibility
-from .records import CHAIN, CHAIN_STEP, FILTER, LENS
+from .records import (
+    CHAIN,
+    CHAIN_STEP,
+    FILTER,
+    LENS,
+    STEP_AROUND,
+    STEP_EVENT,
+    STEP_LOBE,
+    STEP_PASS,
+)
+from .seen import add, see_faces, see_lamps, see_world
 
 _CAMERA_BIT = int(Visibility.CAMERA)
-_DIFFUSE_BIT = int(Visibility.DIFFUSE)
-_GLOSSY_BIT = int(Visibility.GLOSSY)
-_TRANSMISSION_BIT = int(Visibility.TRANSMISSION)
+#: Surfaces that a path may meet, those it goes straight through included.
+MOST_STEPS = 4096
 
 
 @kernel
@@ -62,12 +69,15 @@ def start_paths(
         path.pixel_key = pixel_key
         path.slot = k
         path.depth = 0
+        path.steps = 0
         path.event = _CAMERA_BIT
         path.length = before
         path.reach = reach
+        path.since = 0.0
         path.pdf_w = 0.0
         store(path.beta, (1.0, 1.0, 1.0))
         store(path.direction, d)
+        store(path.origin, o)
         path.media_count = camera_media[0]
         for j in range(camera_media[0]):
             path.media[j] = camera_media[1 + j]
@@ -76,99 +86,54 @@ def start_paths(
 
 
 @kernel
-def add(target: Row, beta: Table, radiance: Vector, weight: float) -> None:
-    """Add ``beta * radiance * weight`` to a layer's pixel."""
-    target[0] += beta[0] * radiance[0] * weight
-    target[1] += beta[1] * radiance[1] * weight
-    target[2] += beta[2] * radiance[2] * weight
+def _absorb(materials: Table, path: Row, way: float) -> None:
+    """Beer-Lambert absorption on the ``way`` that the path has gone."""
+    left = transmittance(materials, current_medium(materials, path), way)
+    for c in range(3):
+        path.beta[c] *= left[c]
 
 
 @kernel
-def power_heuristic(pdf: float, other: float) -> float:
-    """Weight of a sample with density ``pdf`` beside another technique (Veach 1997, 9.2)."""
-    a = pdf * pdf
-    b = other * other
-    return a / (a + b) if a + b > 0.0 else 0.0
+def _go_straight(path: Row, hit: Row, origins: Table, directions: Table, k: int) -> None:
+    """Ray ``k`` goes on behind the surface as if nothing had happened."""
+    d = vector(path.direction)
+    store(origins[k], leave(vector(hit.p), vector(hit.ng), d, hit.offset))
+    store(directions[k], d)
 
 
 @kernel
-def _see_light(
-    path: Row, sample: Row, lights: Row, entry: int, radiance: Vector, pdf_light: float
-) -> None:
-    """A light is hit: emission for a camera chain, one half of direct light for a gather.
-
-    A gather path sees light only before its first specular surface: behind one it would
-    be a caustic, and those come from the photons.
-    """
-    if path.pdf_w == 0.0:
-        add(sample.emission, path.beta, radiance, 1.0)
-    elif path.event == _DIFFUSE_BIT:
-        prob = selection_probability(lights, vector(path.origin), entry)
-        add(sample.direct, path.beta, radiance, power_heuristic(path.pdf_w, prob * pdf_light))
-
-
-@kernel
-def _see_lamps(path: Row, sample: Row, lights: Row, o: Vector, d: Vector, reach: float) -> None:
-    """Lamps whose shape the ray passes before ``reach``; they do not stop it."""
-    for j in range(len(lights.shaped)):
-        entry = lights.shaped[j]
-        lamp = lights.lamps[entry]
-        if (lamp.visibility & path.event) == 0:
-            continue
-        if lamp.shadow == 0 and path.pdf_w > 0.0:
-            continue
-        t, radiance, pdf_w = see_lamp(lamp, o, d)
-        if path.event == _CAMERA_BIT and path.reach < t and t < FAR:
-            continue
-        # A lamp may lie in the plane of the face that the ray hits.
-        if 0.0 < t and t <= reach * (1.0 + 4.0 * OFFSET):
-            _see_light(path, sample, lights, entry, radiance, pdf_w)
-
-
-@kernel
-def _is_clipped(path: Row, mesh: Row, face: int, o: Vector, d: Vector) -> bool:
-    """Whether the face lies farther than a camera ray may see."""
-    if path.event != _CAMERA_BIT or not path.reach < FAR:
-        return False
-    n = face_normal(mesh, face)
-    corner = read(mesh.vertices, mesh.faces[face, 0])
-    return dot(subtract(corner, o), n) / dot(d, n) > path.reach
-
-
-@kernel
-def _see_world(path: Row, sample: Row, lights: Row, transparent: bool) -> None:
-    """A ray that leaves the scene."""
-    if transparent and path.event == _CAMERA_BIT:
-        return
-    entry = len(lights.lamps) + 1
-    if visibility_of(lights, entry) & path.event:
-        d = vector(path.direction)
-        pdf_w = 0.0 if path.pdf_w == 0.0 else pdf_world(lights.world, vector(path.normal), d)
-        _see_light(path, sample, lights, entry, world_radiance(lights.world, d), pdf_w)
-    sample.alpha = 1.0
-
-
-@kernel
-def _first_hit(sample: Row, camera: Row, p: Vector, ns: Vector) -> None:
+def _first_hit(sample: Row, camera: Row, hit: Row) -> None:
     """Depth and normal of what the pixel shows."""
     sample.hit = 1.0
     sample.alpha = 1.0
-    eye = subtract(p, read(camera.position.reshape(1, 3), 0))
+    eye = subtract(vector(hit.p), read(camera.position.reshape(1, 3), 0))
     # A camera on a face meets it at 0, give or take a rounding error.
     sample.depth = max(0.0, dot(eye, read(camera.axes, 2)))
-    store(sample.normal, ns)
+    store(sample.normal, vector(hit.ns))
 
 
 @kernel
-def _stop(vertex: Row, path: Row, row: int, offset: float, share: float) -> None:
-    """A path ends at a wide scatterer, chosen with probability 1 / ``share``."""
+def _light_here(vertex: Row, path: Row, hit: Row, part: int, share: float) -> None:
+    """The path is lit here, by the lobes of ``part``, chosen with probability 1 / share."""
     vertex.key = path.key
     vertex.pixel_key = path.pixel_key
+    if part == NARROW:
+        # Vertices of one path shall not share their numbers; over the passes each of them
+        # keeps its stratification.
+        vertex.pixel_key = mix(path.pixel_key + np.uint64(path.steps))
     vertex.slot = path.slot
     vertex.depth = path.depth
-    vertex.row = row
-    vertex.offset = offset
+    vertex.part = part
+    vertex.row = hit.row
+    vertex.lobe_start = path.lobe_start
+    vertex.lobe_count = path.lobe_count
+    vertex.entering = hit.entering
+    vertex.offset = hit.offset
     vertex.length = path.length
+    store(vertex.p, vector(hit.p))
+    store(vertex.ng, vector(hit.ng))
+    store(vertex.ns, vector(hit.ns))
+    store(vertex.wo, vector(hit.wo))
     store(vertex.beta, scale(vector(path.beta), share))
     copy_media(vertex, path)
 
@@ -177,56 +142,66 @@ def _stop(vertex: Row, path: Row, row: int, offset: float, share: float) -> None
 def _choices(path: Row, gather: bool, i: int, base: int) -> tuple[float, float]:
     """Numbers for stopping and for the event: stratified over passes on camera chains."""
     if gather:
-        return uniform(path.key, base), uniform(path.key, base + 2)
+        return uniform(path.key, base), uniform(path.key, base + STEP_EVENT)
     return camera_2d(i, path.pixel_key, base)
 
 
 @kernel
 def _go_on(
-    materials: Table,
-    lobes: Table,
-    path: Row,
-    row: int,
-    ng: Vector,
-    ns: Vector,
-    entering: bool,
-    wo: Vector,
-    u_lobe: float,
-    u_event: float,
-    share: float,
+    materials: Table, lobes: Table, path: Row, hit: Row, u: float, base: int, share: float
 ) -> Vector:
-    """A specular event, chosen with probability 1 / ``share``: the new direction."""
-    wi, weight, transmitted, eta = scatter_specular(
-        materials, lobes, path, row, ng, ns, entering, wo, u_lobe, u_event
-    )
+    """A narrow event, chosen with probability 1 / ``share``: the new direction."""
+    wi, weight, pdf_w, transmitted, eta = scatter(
+        materials, lobes, path, hit, NARROW, uniform(path.key, base + STEP_LOBE), u,
+        uniform(path.key, base + STEP_AROUND),
+    )  # fmt: skip
     factor = share
-    path.event = _GLOSSY_BIT
+    path.event = part_bit(path, lobes, NARROW, transmitted)
+    path.pdf_w = pdf_w
+    path.since = 0.0
     if transmitted:
         # Radiance, unlike flux, is squeezed with the solid angle (Veach 1997, 5.2).
         factor /= eta * eta
-        path.event = _TRANSMISSION_BIT
-        cross_surface(path, row, entering)
+        if materials[hit.row].ior > 0.0:
+            cross_surface(path, hit.row, hit.entering != 0)
     for c in range(3):
         path.beta[c] *= weight[c] * factor
+    store(path.direction, wi)
+    store(path.normal, vector(hit.ns))
     return wi
 
 
 @kernel
-def _see_faces(
+def _arrive(
     path: Row,
     sample: Row,
-    lights: Row,
+    hit: Row,
     mesh: Row,
     materials: Table,
-    face: int,
-    d: Vector,
-    way: float,
-) -> None:
-    """A face that may emit is hit after ``way``."""
-    emission = vector(materials[mesh.material[face]].emission)
-    if emission[0] + emission[1] + emission[2] > 0.0:
-        pdf_w = pdf_emitter_hit(lights, mesh, materials, face, d, way)
-        _see_light(path, sample, lights, len(lights.lamps), emission, pdf_w)
+    lobes: Table,
+    shading: Row,
+    lights: Row,
+    gather: bool,
+    spare: int,
+    u_pass: float,
+) -> bool:
+    """Light on the way to a hit and of its face, lobes there: whether the path goes through."""
+    see_lamps(path, sample, materials, lights, gather, path.since + hit.way)
+    path.length += hit.way
+    path.since += hit.way
+    _absorb(materials, path, hit.way)
+    visible = (mesh.visible[hit.face] & path.event) != 0
+    if goes_through(materials, path, hit, visible):
+        return True
+    see_faces(path, sample, lights, gather, mesh, materials, shading, hit)
+    shade(hit, path, mesh, materials, lobes, shading, spare)
+    if not materials[hit.row].passes:
+        return False
+    wide, narrow = lobe_weights(path, lobes)
+    through, factor = choose_transparency(path, lobes, wide + narrow, u_pass)
+    for c in range(3):
+        path.beta[c] *= factor[c]
+    return bool(through)
 
 
 @kernel
@@ -234,6 +209,7 @@ def step_paths(
     mesh: Row,
     materials: Table,
     lobes: Table,
+    shading: Row,
     lights: Row,
     camera: Row,
     i: int,
@@ -241,9 +217,11 @@ def step_paths(
     transparent: bool,
     most_depth: int,
     min_throughput: float,
+    spare: int,
     hit_face: Table,
     hit_u: Table,
     hit_v: Table,
+    hits: Table,
     count: int,
     origins: Table,
     directions: Table,
@@ -253,60 +231,66 @@ def step_paths(
 ) -> Any:
     """One surface for each path: see lights, stop or scatter, compact.
 
-    Returns (paths still on a chain, vertices written). ``gather`` tells that the paths
-    are final-gather paths.
+    Returns (paths still on a chain, vertices written, rows of ``lobes`` in use: those from
+    ``spare`` on belong to the vertices). ``gather`` tells that these are gather paths;
+    ``hits`` (1,) ``HIT`` is room to work in.
     """
     alive = 0
-    stopped = 0
+    lit = 0
+    hit = hits[0]
     for k in range(count):
         path = paths[k]
         sample = samples[path.slot]
-        d = vector(path.direction)
-        o = read(origins, k)
-        if hit_face[k] < 0 or _is_clipped(path, mesh, hit_face[k], o, d):
-            _see_lamps(path, sample, lights, o, d, FAR)
-            _see_world(path, sample, lights, transparent)
+        if hit_face[k] < 0:
+            see_world(path, sample, materials, lights, gather, transparent)
             continue
-        wo = scale(d, -1.0)
-        face = hit_face[k]
-        p, ng, ns, entering, offset = interact(mesh, face, hit_u[k], hit_v[k], wo)
-        way = dot(subtract(p, o), d)
-        _see_lamps(path, sample, lights, o, d, way)
-        row = mesh.material[face]
-        _see_faces(path, sample, lights, mesh, materials, face, d, way)
-        path.length += way
-        path.reach -= way
+        meet(hit, mesh, hit_face[k], hit_u[k], hit_v[k], origins, k, path)
+        if path.event == _CAMERA_BIT and path.since + hit.way > path.reach:
+            see_world(path, sample, materials, lights, gather, transparent)
+            continue
+        path.steps += 1
+        base = CHAIN + CHAIN_STEP * path.steps
+        if _arrive(
+            path, sample, hit, mesh, materials, lobes, shading, lights, gather, spare,
+            uniform(path.key, base + STEP_PASS),
+        ):  # fmt: skip
+            if path.steps < MOST_STEPS and _carries(path, min_throughput):
+                paths[alive] = paths[k]
+                _go_straight(path, hit, origins, directions, alive)
+                alive += 1
+            continue
         if path.event == _CAMERA_BIT:
-            _first_hit(sample, camera, p, ns)
-        rough, smooth = lobe_weights(materials[row], lobes)
-        if rough + smooth <= 0.0:
+            _first_hit(sample, camera, hit)
+        wide, narrow = lobe_weights(path, lobes)
+        if wide + narrow <= 0.0:
             continue
-        base = CHAIN + CHAIN_STEP * path.depth
         path.depth += 1
         u_stop, u_event = _choices(path, gather, i, base)
-        if u_stop * (rough + smooth) >= smooth:
-            vertex = vertices[stopped]
-            stopped += 1
-            store(vertex.p, p)
-            store(vertex.ng, ng)
-            store(vertex.ns, ns)
-            store(vertex.wo, wo)
-            _stop(vertex, path, row, offset, (rough + smooth) / rough)
-            if not gather:
-                add(sample.albedo, vertex.beta, albedo_nonspecular(materials[row], lobes), 1.0)
+        part = WIDE if u_stop * (wide + narrow) >= narrow else NARROW
+        share = (wide + narrow) / (wide if part == WIDE else narrow)
+        if part == WIDE or (not gather and has_rough_narrow(path, lobes)):
+            _light_here(vertices[lit], path, hit, part, share)
+            lit += 1
+            if hit.own:
+                spare = path.lobe_start + path.lobe_count
+            if part == WIDE and not gather:
+                add(sample.albedo, path.beta, albedo_nonspecular(path, lobes), share)
+        if part == WIDE or path.depth >= most_depth or path.steps >= MOST_STEPS:
             continue
-        if path.depth >= most_depth:
+        wi = _go_on(materials, lobes, path, hit, u_event, base, share)
+        if not _carries(path, min_throughput):
             continue
-        wi = _go_on(
-            materials, lobes, path, row, ng, ns, entering, wo,
-            uniform(path.key, base + 1), u_event, (rough + smooth) / smooth,
-        )  # fmt: skip
-        if not max(path.beta[0], path.beta[1], path.beta[2]) > min_throughput:
-            continue
-        store(path.direction, wi)
+        o = leave(vector(hit.p), vector(hit.ng), wi, hit.offset)
+        store(path.origin, o)
+        store(origins[alive], o)
+        store(directions[alive], wi)
         if alive != k:
             paths[alive] = paths[k]
-        store(origins[alive], leave(p, ng, wi, offset))
-        store(directions[alive], wi)
         alive += 1
-    return alive, stopped
+    return alive, lit, spare
+
+
+@kernel
+def _carries(path: Row, least: float) -> bool:
+    """Whether a path still carries enough; false for NaN."""
+    return max(path.beta[0], path.beta[1], path.beta[2]) > least

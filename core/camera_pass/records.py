@@ -8,16 +8,19 @@ from ..geometry.media import STACK
 
 _MEDIA = [("media_count", "i4"), ("media", "i4", STACK)]
 
-#: A camera path on a specular chain. ``slot``: its row among the chunk's samples; ``event``:
-#: ``Visibility`` bit of its last event; ``length``: way from the lens, ``reach``:
-#: how far a camera ray sees from where it starts [m]. A final-gather
-#: path also knows where it left (``origin``, ``normal``) and with which ``pdf_w``.
+#: A camera path on a chain of narrow scattering. ``slot``: its row among the chunk's
+#: samples; ``event``: ``Visibility`` bit of its last event; ``length``: way from the lens
+#: [m]; ``depth``: events so far; ``steps``: surfaces so far, those it went straight through
+#: included; ``reach``: how far a camera ray sees [m]. ``origin``, ``normal``: its last event, ``since`` the way from there [m],
+#: ``pdf_w`` the density of its direction where light sampling was the other technique,
+#: else 0. ``lobe_start`` and ``lobe_count``: the lobes of the surface that it is on.
 PATH = np.dtype(
     [
         ("key", "u8"),
         ("pixel_key", "u8"),
         ("slot", "i4"),
         ("depth", "i4"),
+        ("steps", "i4"),
         ("event", "i4"),
         ("beta", "f8", 3),
         ("direction", "f8", 3),
@@ -25,20 +28,29 @@ PATH = np.dtype(
         ("reach", "f8"),
         ("origin", "f8", 3),
         ("normal", "f8", 3),
+        ("since", "f8"),
         ("pdf_w", "f8"),
+        ("lobe_start", "i4"),
+        ("lobe_count", "i4"),
         *_MEDIA,
     ],
     align=True,
 )
 
-#: A non-specular vertex: the end of a chain. ``row``: material; ``offset``: see ``interact``.
+#: A vertex that is lit. ``part``: WIDE at the end of a chain, where photons are gathered
+#: too, NARROW where the chain goes on. ``row``: material, ``lobe_start`` and ``lobe_count``:
+#: its lobes there; ``offset`` and ``entering``: see ``interact``.
 VERTEX = np.dtype(
     [
         ("key", "u8"),
         ("pixel_key", "u8"),
         ("slot", "i4"),
         ("depth", "i4"),
+        ("part", "i4"),
         ("row", "i4"),
+        ("lobe_start", "i4"),
+        ("lobe_count", "i4"),
+        ("entering", "i4"),
         ("offset", "f8"),
         ("length", "f8"),
         ("p", "f8", 3),
@@ -58,6 +70,11 @@ LIGHT = 4
 LIGHT_POINT = 6
 GATHER = 8
 CHAIN = 16
-CHAIN_STEP = 4
+CHAIN_STEP = 8
 GATHER_LOBE = 1 << 20
 GATHER_STEP = 1
+# Within a step of a chain: stop or go on (a pair), lobe, event, and going straight through.
+STEP_LOBE = 1
+STEP_EVENT = 2
+STEP_AROUND = 3
+STEP_PASS = 4

@@ -7,12 +7,15 @@ taken as if the path had been inside it.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..jit import Row, Table, kernel
 from .intersector import Intersector
 from .mesh import Mesh
+from .vector import Vector
 
 #: Deepest nesting that is told apart; a deeper medium is passed as if it were not there.
 STACK = 8
@@ -26,19 +29,56 @@ _WAYS = tuple(
 
 
 @kernel
-def ior_around(materials: Table, path: Row, material: int, entering: bool) -> float:
-    """Index on the far side of ``material``'s own medium at its surface."""
-    last = path.media_count - 1
+def medium_around(materials: Table, path: Row, material: int, entering: bool) -> int:
+    """Row of the medium on the far side of ``material``'s own one, -1 where there is none.
+
+    Of overlapping media the one with the highest priority counts, of equals the innermost
+    (Schmidt & Budge 2002, "Simple nested dielectrics in ray traced images").
+    """
+    own = -1
     if not entering:
         # The topmost entry of this material is the one being left.
         for k in range(path.media_count - 1, -1, -1):
             if path.media[k] == material:
-                if k == last:
-                    last -= 1
+                own = k
                 break
-    if last < 0:
-        return 1.0
-    return materials[path.media[last]].ior
+    best = -1
+    for k in range(path.media_count):
+        row = path.media[k]
+        if k != own and (best < 0 or materials[row].priority >= materials[best].priority):
+            best = row
+    return best
+
+
+@kernel
+def ior_around(materials: Table, path: Row, material: int, entering: bool) -> float:
+    """Index on the far side of ``material``'s own medium at its surface."""
+    row = medium_around(materials, path, material, entering)
+    return 1.0 if row < 0 else materials[row].ior
+
+
+@kernel
+def is_hidden(materials: Table, path: Row, material: int, entering: bool) -> bool:
+    """Whether the surface of ``material`` lies inside a medium of higher priority."""
+    if materials[material].ior <= 0.0:
+        return False
+    row = medium_around(materials, path, material, entering)
+    return row >= 0 and materials[row].priority > materials[material].priority
+
+
+@kernel
+def transmittance(materials: Table, row: int, way: float) -> Vector:
+    """What ``way`` [m] through the medium ``row`` (-1: none) leaves (Beer 1852)."""
+    if row < 0:
+        return 1.0, 1.0, 1.0
+    a = materials[row].absorption
+    return math.exp(-a[0] * way), math.exp(-a[1] * way), math.exp(-a[2] * way)
+
+
+@kernel
+def current_medium(materials: Table, path: Row) -> int:
+    """Row of the medium that a path is in, -1 in the open."""
+    return medium_around(materials, path, -1, True)
 
 
 @kernel

@@ -14,7 +14,7 @@ class Mesh(NamedTuple):
     """Merged triangles around ``Centre.origin``.
 
     vertices (V, 3) f4; faces (F, 3) i4; normals (F, 3, 3) f4 or zeros where flat;
-    smooth (F,) bool; material (F,) i4.
+    smooth (F,) bool; material (F,) i4; visible (F,) i4 ``Visibility`` bits.
     """
 
     vertices: NDArray[np.float32]
@@ -22,6 +22,7 @@ class Mesh(NamedTuple):
     normals: NDArray[np.float32]
     smooth: NDArray[np.bool_]
     material: NDArray[np.int32]
+    visible: NDArray[np.int32]
 
 
 class Centre(NamedTuple):
@@ -65,6 +66,7 @@ def centred_mesh(scene: Scene, centre: Centre) -> Mesh:
         normals=np.ascontiguousarray(scene.corner_normals),
         smooth=np.abs(scene.corner_normals).sum(axis=2).min(axis=1) > 0,
         material=np.ascontiguousarray(scene.face_material),
+        visible=scene.object_visibility[scene.face_object],
     )
 
 
@@ -76,4 +78,5 @@ def _empty_mesh() -> Mesh:
         normals=np.zeros((0, 3, 3), np.float32),
         smooth=np.zeros(0, np.bool_),
         material=np.zeros(0, np.int32),
+        visible=np.zeros(0, np.int32),
     )

@@ -20,16 +20,17 @@ from ..jit import Table, kernel
 from ..lights.light_set import LightSet, photon_shares
 from ..sampling.warps import one_minus_cos, sample_cone, sample_disk
 from ..scene.scene import Scene
-from .casters import caster_materials
+from .casters import caster_strength
 
 #: Most spheres in use; more casters than that are merged by nearness.
 MOST_SPHERES = 64
-#: Share of the aim that is spread evenly over the spheres, the rest goes by size seen.
+#: Share of the aim that is spread over the spheres by strength alone, the rest goes by
+#: strength and the size seen.
 EVEN = 0.5
 
 
 class Aim(NamedTuple):
-    """Spheres (C, 4) f8 around the casters, centre and radius; light shares (N+2,)."""
+    """Spheres (C, 5) f8 around the casters: centre, radius, strength; light shares (N+2,)."""
 
     spheres: NDArray[np.float64]
     light_cdf: NDArray[np.float64]
@@ -37,13 +38,14 @@ class Aim(NamedTuple):
 
 def aim_at(scene: Scene, mesh: Mesh, lights: LightSet) -> Aim:
     """Bound the casters and share the photons out by what each light sends their way."""
-    casts = caster_materials(scene)
-    faces = np.flatnonzero(casts[mesh.material]) if len(casts) else np.zeros(0, np.intp)
+    strength = caster_strength(scene)
+    faces = np.flatnonzero(strength[mesh.material] > 0) if len(strength) else np.zeros(0, int)
     spheres: list[NDArray[np.float64]] = []
     for object_id in np.unique(scene.face_object[faces]):
         own = faces[scene.face_object[faces] == object_id]
-        spheres += _bound(mesh, own)
-    table = _merge(np.array(spheres).reshape(-1, 4))
+        strong = strength[mesh.material[own]].max()
+        spheres += [np.array([*sphere, strong]) for sphere in _bound(mesh, own)]
+    table = _merge(np.array(spheres).reshape(-1, 5))
     return Aim(table, photon_shares(_useful_power(lights, table)))
 
 
@@ -82,7 +84,7 @@ def _merge(spheres: NDArray[np.float64]) -> NDArray[np.float64]:
         group = spheres[label == k]
         middle = (group[:, :3].min(axis=0) + group[:, :3].max(axis=0)) / 2
         reach = np.sqrt(((group[:, :3] - middle) ** 2).sum(axis=1)) + group[:, 3]
-        merged.append([*middle, reach.max()])
+        merged.append([*middle, reach.max(), group[:, 4].max()])
     return np.array(merged)
 
 
@@ -93,12 +95,14 @@ def _useful_power(lights: LightSet, spheres: NDArray[np.float64]) -> NDArray[np.
         if power <= 0 or len(spheres) == 0:
             continue
         if lights.distant[k]:
-            part = min(1.0, (spheres[:, 3] ** 2).sum() / lights.radius**2)
+            area = (spheres[:, 4] * spheres[:, 3] ** 2).sum()
+            part = min(1.0, area / lights.radius**2)
         else:
             distance2 = ((spheres[:, :3] - lights.place[k]) ** 2).sum(axis=1)
             reach2 = (spheres[:, 3] + lights.size[k]) ** 2
             sine2 = np.minimum(1.0, reach2 / np.maximum(distance2, 1e-300))
-            part = min(1.0, float((0.5 * (1 - np.sqrt(1 - sine2))).sum()))
+            cap = 0.5 * (1 - np.sqrt(1 - sine2))
+            part = min(1.0, float((spheres[:, 4] * cap).sum()))
         useful[k] = power * part
     return useful
 
@@ -116,11 +120,11 @@ def cone_of(spheres: Table, k: int, anchor: Vector, margin: float) -> tuple[Vect
 
 @kernel
 def _weight(spheres: Table, k: int, anchor: Vector, normal: Vector, margin: float) -> float:
-    """Versine of cone ``k``, 0 when it lies behind a one-sided light."""
+    """Versine of cone ``k`` times its strength, 0 when it lies behind a one-sided light."""
     if dot(normal, normal) > 0.0:
         if dot(subtract(read(spheres, k), anchor), normal) <= -spheres[k, 3]:
             return 0.0
-    return cone_of(spheres, k, anchor, margin)[1]
+    return cone_of(spheres, k, anchor, margin)[1] * spheres[k, 4]
 
 
 @kernel
@@ -135,22 +139,22 @@ def aim_local(
 ) -> tuple[Vector, float]:
     """Direction from ``anchor`` towards the casters: (w, pdf_w); pdf 0 when none is ahead."""
     total = 0.0
-    ahead = 0
+    strength = 0.0
     for k in range(len(spheres)):
-        versine = _weight(spheres, k, anchor, normal, margin)
-        total += versine
-        if versine > 0.0:
-            ahead += 1
-    if ahead == 0:
+        weight = _weight(spheres, k, anchor, normal, margin)
+        total += weight
+        if weight > 0.0:
+            strength += spheres[k, 4]
+    if total <= 0.0:
         return (0.0, 0.0, 1.0), 0.0
     chosen = -1
     before = 0.0
     for k in range(len(spheres)):
-        versine = _weight(spheres, k, anchor, normal, margin)
-        if versine <= 0.0:
+        weight = _weight(spheres, k, anchor, normal, margin)
+        if weight <= 0.0:
             continue
         chosen = k
-        before += EVEN / ahead + (1.0 - EVEN) * versine / total
+        before += EVEN * spheres[k, 4] / strength + (1.0 - EVEN) * weight / total
         if u_cone < before:
             break
     axis, versine = cone_of(spheres, chosen, anchor, margin)
@@ -164,7 +168,7 @@ def aim_local(
         gap = subtract(w, axis)
         # 1 - cos of the angle between unit vectors, exact when it is tiny.
         if k == chosen or 0.5 * dot(gap, gap) <= versine:
-            prob = EVEN / ahead + (1.0 - EVEN) * weight / total
+            prob = EVEN * spheres[k, 4] / strength + (1.0 - EVEN) * weight / total
             pdf_w += prob / (2.0 * math.pi * versine)
     return w, pdf_w
 
@@ -173,15 +177,16 @@ def aim_local(
 def aim_distant(spheres: Table, w: Vector, u_disc: float, u: float, v: float) -> Any:
     """Point of a beam along ``w`` that can meet a caster: (point, pdf_a across the beam)."""
     total = 0.0
-    for k in range(len(spheres)):
-        total += spheres[k, 3] * spheres[k, 3]
+    strength = 0.0
     count = len(spheres)
+    for k in range(count):
+        total += spheres[k, 4] * spheres[k, 3] * spheres[k, 3]
+        strength += spheres[k, 4]
     chosen = -1
     before = 0.0
     for k in range(count):
-        r2 = spheres[k, 3] * spheres[k, 3]
         chosen = k
-        before += EVEN / count + (1.0 - EVEN) * r2 / total
+        before += _share(spheres, k, strength, total)
         if u_disc < before:
             break
     x, y = sample_disk(u, v)
@@ -196,5 +201,12 @@ def aim_distant(spheres: Table, w: Vector, u_disc: float, u: float, v: float) ->
         side = along(gap, w, -h)
         r2 = spheres[k, 3] * spheres[k, 3]
         if k == chosen or dot(side, side) <= r2:
-            pdf_a += (EVEN / count + (1.0 - EVEN) * r2 / total) / (math.pi * r2)
+            pdf_a += _share(spheres, k, strength, total) / (math.pi * r2)
     return p, pdf_a
+
+
+@kernel
+def _share(spheres: Table, k: int, strength: float, total: float) -> float:
+    """Probability of the disc of sphere ``k`` across a beam."""
+    own = spheres[k, 4]
+    return EVEN * own / strength + (1.0 - EVEN) * own * spheres[k, 3] * spheres[k, 3] / total

@@ -24,8 +24,10 @@ from ..sampling.warps import sample_disk
 from .aim import aim_distant, aim_local
 
 #: One photon on its way. ``flux`` [W] per channel; ``direction`` of travel; ``index`` of
-#: its path in the pass; ``specular`` tells that every surface so far was; ``visibility``
-#: bits of its light, ``entry``.
+#: its path in the pass; ``depth``: events so far, ``steps``: surfaces so far;
+#: ``visibility`` bits of what it comes from, its light ``entry`` or the object of its last
+#: event;
+#: ``lobe_start`` and ``lobe_count``: the lobes of the surface that it is on.
 PHOTON_PATH = np.dtype(
     [
         ("key", "u8"),
@@ -33,9 +35,10 @@ PHOTON_PATH = np.dtype(
         ("flux", "f8", 3),
         ("direction", "f8", 3),
         ("depth", "i4"),
-        ("specular", "i4"),
+        ("steps", "i4"),
+        ("lobe_start", "i4"),
+        ("lobe_count", "i4"),
         ("visibility", "i4"),
-        ("entry", "i4"),
         ("media_count", "i4"),
         ("media", "i4", STACK),
     ],
@@ -127,7 +130,7 @@ def emit_photons(
         path.key = key
         path.index = k
         path.depth = 0
-        path.specular = 1
+        path.steps = 0
         path.visibility = visibility_of(lights, entry)
         path.entry = entry
         store(path.flux, flux)

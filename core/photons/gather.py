@@ -9,7 +9,13 @@ from __future__ import annotations
 
 import math
 
-from ..bsdf.dispatch import albedo_nonspecular, eval_nonspecular, is_lambertian
+from ..bsdf.dispatch import (
+    WIDE,
+    albedo_nonspecular,
+    eval_part,
+    is_lambertian,
+    is_twosided,
+)
 from ..geometry.vector import Vector, vector
 from ..jit import Row, Table, kernel
 from ..sampling.warps import INV_PI
@@ -58,8 +64,11 @@ def bucket_slice(
 
 
 @kernel
-def photon_weight(photon: Row, p: Vector, ng: Vector, radius: float) -> float:
-    """1 - d^2 / r^2 on the tangent plane; 0 outside or on another surface."""
+def photon_weight(photon: Row, p: Vector, ng: Vector, radius: float, both: bool) -> float:
+    """1 - d^2 / r^2 on the tangent plane; 0 outside or on another surface.
+
+    ``both``: photons that came from the other side of the surface count too.
+    """
     dx = photon.position[0] - p[0]
     dy = photon.position[1] - p[1]
     dz = photon.position[2] - p[2]
@@ -69,7 +78,8 @@ def photon_weight(photon: Row, p: Vector, ng: Vector, radius: float) -> float:
     if d2 >= r2 or abs(height) > MOST_HEIGHT * radius:
         return 0.0
     normal = photon.normal
-    if normal[0] * ng[0] + normal[1] * ng[1] + normal[2] * ng[2] < LEAST_COSINE:
+    cosine = normal[0] * ng[0] + normal[1] * ng[1] + normal[2] * ng[2]
+    if (abs(cosine) if both else cosine) < LEAST_COSINE:
         return 0.0
     return 1.0 - d2 / r2
 
@@ -102,14 +112,18 @@ def gather_radiance(
     ns: Vector,
     wo: Vector,
     radius: float,
-    material: Row,
+    surface: Row,
     lobes: Table,
 ) -> tuple[Vector, int]:
-    """Radiance reflected to ``wo`` at ``p`` by the photons within ``radius``: (Lo, count)."""
-    if is_lambertian(material, lobes):
+    """Radiance sent to ``wo`` from ``p`` by the photons within ``radius``: (Lo, count).
+
+    ``surface`` has the lobes, whose wide part alone answers to photons.
+    """
+    if is_lambertian(surface, lobes):
         e, found = gather_irradiance(photon_map, p, ng, radius)
-        a = albedo_nonspecular(material, lobes)
+        a = albedo_nonspecular(surface, lobes)
         return (e[0] * INV_PI * a[0], e[1] * INV_PI * a[1], e[2] * INV_PI * a[2]), found
+    both = is_twosided(surface, lobes)
     r = g = b = 0.0
     found = 0
     radius = min(radius, largest_radius(photon_map.cell))
@@ -120,11 +134,12 @@ def gather_radiance(
                 first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
                 for k in range(first, last):
                     photon = photon_map.photons[k]
-                    weight = photon_weight(photon, p, ng, radius)
+                    weight = photon_weight(photon, p, ng, radius, both)
                     if weight <= 0.0 or photon_map.keys[k] != key:
                         continue
                     found += 1
-                    f = eval_nonspecular(material, lobes, ns, wo, vector(photon.direction))
+                    wi = vector(photon.direction)
+                    f = eval_part(surface, lobes, ns, wo, wi, WIDE)
                     r += weight * f[0] * photon.flux[0]
                     g += weight * f[1] * photon.flux[1]
                     b += weight * f[2] * photon.flux[2]
@@ -147,7 +162,7 @@ def gather_irradiance(
                 first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
                 for k in range(first, last):
                     photon = photon_map.photons[k]
-                    weight = photon_weight(photon, p, ng, radius)
+                    weight = photon_weight(photon, p, ng, radius, False)
                     if weight <= 0.0 or photon_map.keys[k] != key:
                         continue
                     found += 1

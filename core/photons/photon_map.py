@@ -42,7 +42,11 @@ def build_photon_map(walks: list[Walk], cell: float) -> PhotonMap:
     sorted_photons = np.zeros(len(photons), PHOTON)
     keys = np.zeros(len(photons), np.int64)
     start = np.zeros(buckets + 1, np.int32)
-    sort_into_cells(photons, first, cell, sorted_photons, keys, start)
+    bucket = np.zeros(len(photons), np.int32)
+    own = np.zeros(len(photons), np.int64)
+    find_cells(photons, first, cell, own, bucket, start)
+    place = start[:-1].copy()
+    sort_into_cells(photons, first, own, bucket, place, sorted_photons, keys)
     return PhotonMap(sorted_photons, keys, start, cell)
 
 
@@ -65,27 +69,35 @@ def bucket_of(key: int, buckets: int) -> int:
 
 
 @kernel
-def sort_into_cells(
-    photons: Table, order: Table, cell: float, sorted_photons: Table, keys: Table, start: Table
+def find_cells(
+    photons: Table, order: Table, cell: float, own: Table, bucket: Table, start: Table
 ) -> None:
-    """Counting sort by bucket, stable in ``order``."""
-    count = len(photons)
-    buckets = len(start) - 1
-    own = np.zeros(count, np.int64)
-    bucket = np.zeros(count, np.int32)
-    for j in range(count):
+    """Cell and bucket of each photon in ``order``, and where the buckets will start."""
+    for j in range(len(photons)):
         p = photons[order[j]].position
         own[j] = cell_key(
             int(math.floor(p[0] / cell)),
             int(math.floor(p[1] / cell)),
             int(math.floor(p[2] / cell)),
         )
-        bucket[j] = bucket_of(own[j], buckets)
+        bucket[j] = bucket_of(own[j], len(start) - 1)
         start[bucket[j] + 1] += 1
-    for b in range(buckets):
+    for b in range(len(start) - 1):
         start[b + 1] += start[b]
-    place = start[:-1].copy()
-    for j in range(count):
+
+
+@kernel
+def sort_into_cells(
+    photons: Table,
+    order: Table,
+    own: Table,
+    bucket: Table,
+    place: Table,
+    sorted_photons: Table,
+    keys: Table,
+) -> None:
+    """Counting sort by bucket, stable in ``order``; ``place`` ends as the buckets' ends."""
+    for j in range(len(photons)):
         k = place[bucket[j]]
         place[bucket[j]] += 1
         sorted_photons[k] = photons[order[j]]

@@ -7,15 +7,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bsdf.dispatch import (
-    eval_nonspecular,
-    pdf_nonspecular,
-    sample_nonspecular,
-)
-from ..bsdf.dispatch import whole_weights as lobe_weights
-from ..bsdf.specular import scatter_specular
-from ..geometry.interaction import interact, leave
-from ..geometry.media import cross_surface
+from ..bsdf.dispatch import NARROW, WIDE, eval_part, lobe_weights, part_bit
+from ..bsdf.hit import HIT, meet, shade
+from ..bsdf.resolve import resolve
+from ..bsdf.scatter import choose_transparency, goes_through, scatter
+from ..geometry.interaction import leave
+from ..geometry.media import cross_surface, current_medium, ior_around, transmittance
 from ..geometry.vector import Vector, dot, read, scale, store, vector
 from ..jit import Row, Table, kernel
 from ..lights.emission import reaches
@@ -34,9 +31,11 @@ PHOTON = np.dtype(
 )
 
 _DIFFUSE_BIT = int(Visibility.DIFFUSE)
-_GLOSSY_BIT = int(Visibility.GLOSSY)
-_TRANSMISSION_BIT = int(Visibility.TRANSMISSION)
-_DIMENSIONS = 8  # random numbers a bounce may use
+_SHADOW_BIT = int(Visibility.SHADOW)
+_DIMENSIONS = 8  # random numbers a step may use
+_CHOICE, _SURVIVAL, _LOBE, _U, _V, _PASS = range(6)
+#: Surfaces that a photon may meet, those it goes straight through included.
+_MOST_STEPS = 4096
 #: Bound on the cosine ratio of shading and geometric normal. Towards grazing it has no
 #: bound and infinite variance; it is above 8 only for light within 1/8 rad of grazing.
 _MOST_CORRECTION = 8.0
@@ -75,20 +74,20 @@ def trace_photons(
         light_cdf, aimed, settings.seed, purpose, i, start, count, total, origins,
         directions, paths,
     )  # fmt: skip
+    room = prepared.lobe_room(0)
+    meeting = np.zeros(1, HIT)
     stored: list[NDArray[np.void]] = []
     orders: list[NDArray[np.int64]] = []
     rays = 0
-    for _ in range(settings.photon_depth):
-        if alive == 0:
-            break
+    while alive:
         rays += alive
         hits = prepared.intersector.nearest(origins[:alive], directions[:alive])
         photons = np.zeros(alive, PHOTON)
         order = np.zeros(alive, np.int64)
         alive, kept = step_photons(
-            prepared.mesh, prepared.materials, prepared.lobes, prepared.lights, aimed,
-            settings.photon_depth,
-            hits.face, hits.u, hits.v, alive, origins, directions, paths, photons, order,
+            prepared.mesh, prepared.materials, room, prepared.shading, prepared.lights,
+            len(prepared.lobes), aimed, settings.photon_depth, hits.face, hits.u, hits.v,
+            meeting, alive, origins, directions, paths, photons, order,
         )  # fmt: skip
         stored.append(photons[:kept])
         orders.append(order[:kept])
@@ -98,35 +97,11 @@ def trace_photons(
 
 
 @kernel
-def _is_seen(path: Row, bit: int) -> bool:
-    """Whether the light of a path may light this kind of first surface."""
-    return path.depth > 0 or (path.visibility & bit) != 0
-
-
-@kernel
-def _store(photon: Row, p: Vector, wo: Vector, ng: Vector, flux: Vector, ratio: float) -> None:
-    store(photon.position, p)
-    store(photon.direction, wo)
-    store(photon.normal, ng)
+def _store(photon: Row, hit: Row, flux: Vector, ratio: float) -> None:
+    store(photon.position, vector(hit.p))
+    store(photon.direction, vector(hit.wo))
+    store(photon.normal, vector(hit.ng))
     store(photon.flux, scale(flux, ratio))
-
-
-@kernel
-def _scatter_diffuse(
-    material: Row, lobes: Table, ng: Vector, ns: Vector, wo: Vector, key: np.uint64, base: int
-) -> Any:
-    """Draw a direction from the non-specular lobes: (wi, weight (3,))."""
-    wi = sample_nonspecular(
-        material, lobes, ns, wo, uniform(key, base + 2), uniform(key, base + 3),
-        uniform(key, base + 4),
-    )  # fmt: skip
-    pdf_w = pdf_nonspecular(material, lobes, ns, wo, wi)
-    if pdf_w <= 0.0 or dot(wi, ng) <= 0.0:
-        return wi, (0.0, 0.0, 0.0)
-    f = eval_nonspecular(material, lobes, ns, wo, wi)
-    # Adjoint of the shading normal: the outgoing cosine is the geometric one (Veach 1997,
-    # section 5.3); the incoming ratio is applied by the caller.
-    return wi, scale(f, dot(wi, ng) / pdf_w)
 
 
 @kernel
@@ -141,10 +116,129 @@ def _survive(path: Row, flux: Vector, weight: Vector, ratio: float, base: int) -
     if not most > 0.0:
         return False
     survival = min(1.0, most / max(flux))
-    if uniform(path.key, base + 1) >= survival:
+    if uniform(path.key, base + _SURVIVAL) >= survival:
         return False
     store(path.flux, scale(new, 1.0 / survival))
     return True
+
+
+@kernel
+def _arrive(
+    path: Row,
+    hit: Row,
+    mesh: Row,
+    materials: Table,
+    lobes: Table,
+    shading: Row,
+    spare: int,
+    base: int,
+) -> bool:
+    """Absorption on the way to a hit, and the lobes there: whether the photon goes through.
+
+    Camera rays would know what kind of ray sees the surface; a photon goes through what
+    casts no shadow when it comes from a light, and else through what diffuse rays miss.
+    """
+    left = transmittance(materials, current_medium(materials, path), hit.way)
+    for c in range(3):
+        path.flux[c] *= left[c]
+    bit = _SHADOW_BIT if path.depth == 0 else _DIFFUSE_BIT
+    if goes_through(materials, path, hit, (mesh.visible[hit.face] & bit) != 0):
+        return True
+    shade(hit, path, mesh, materials, lobes, shading, spare)
+    if not materials[hit.row].passes:
+        return False
+    wide, narrow = lobe_weights(path, lobes)
+    through, factor = choose_transparency(
+        path, lobes, wide + narrow, uniform(path.key, base + _PASS)
+    )
+    for c in range(3):
+        path.flux[c] *= factor[c]
+    return bool(through)
+
+
+@kernel
+def _adjoint(
+    path: Row,
+    hit: Row,
+    mesh: Row,
+    materials: Table,
+    lobes: Table,
+    shading: Row,
+    spare: int,
+    part: int,
+    wi: Vector,
+    weight: Vector,
+) -> Vector:
+    """The event's weight with its lobes worked out for a viewer in ``wi``.
+
+    Layered materials are not reciprocal: what a layer takes from those below depends on
+    where the viewer is, and a photon's viewer is the one it leaves to.
+    """
+    wo = vector(hit.wo)
+    ns = vector(hit.ns)
+    entering = hit.entering != 0
+    before = eval_part(path, lobes, ns, wo, wi, part)
+    around = ior_around(materials, path, hit.row, entering)
+    path.lobe_count = resolve(
+        materials[hit.row], shading, mesh, hit.face, hit.u, hit.v, ns, wi, entering, around,
+        lobes, spare,
+    )  # fmt: skip
+    path.lobe_start = spare
+    after = eval_part(path, lobes, ns, wi, wo, part)
+    return (
+        weight[0] * after[0] / before[0] if before[0] > 0.0 else 0.0,
+        weight[1] * after[1] / before[1] if before[1] > 0.0 else 0.0,
+        weight[2] * after[2] / before[2] if before[2] > 0.0 else 0.0,
+    )
+
+
+@kernel
+def _correction(hit: Row, wi: Vector) -> float:
+    """Adjoint of the shading normal for the outgoing side (Veach 1997, section 5.3)."""
+    cos_s = abs(dot(wi, vector(hit.ns)))
+    if cos_s <= 0.0:
+        return 0.0
+    return min(_MOST_CORRECTION, abs(dot(wi, vector(hit.ng))) / cos_s)
+
+
+@kernel
+def _bounce(
+    path: Row,
+    hit: Row,
+    mesh: Row,
+    materials: Table,
+    lobes: Table,
+    shading: Row,
+    spare: int,
+    caustic: bool,
+    base: int,
+    ratio: float,
+) -> Any:
+    """Scatter a photon at a hit: (whether it lives, wi); ``ratio`` scales its flux."""
+    wide, narrow = lobe_weights(path, lobes)
+    total = narrow if caustic else wide + narrow
+    nowhere = (0.0, 0.0, 1.0)
+    if total <= 0.0:
+        return False, nowhere
+    part = WIDE
+    if caustic or uniform(path.key, base + _CHOICE) * total < narrow:
+        part = NARROW
+    wi, weight, pdf_w, transmitted, _ = scatter(
+        materials, lobes, path, hit, part, uniform(path.key, base + _LOBE),
+        uniform(path.key, base + _U), uniform(path.key, base + _V),
+    )  # fmt: skip
+    if not max(weight) > 0.0:
+        return False, nowhere
+    if path.visibility & part_bit(path, lobes, part, transmitted) == 0:
+        return False, nowhere
+    if hit.own and pdf_w > 0.0 and not transmitted:
+        weight = _adjoint(path, hit, mesh, materials, lobes, shading, spare, part, wi, weight)
+    if transmitted and materials[hit.row].ior > 0.0:
+        cross_surface(path, hit.row, hit.entering != 0)
+    ratio *= _correction(hit, wi) * total / (wide if part == WIDE else narrow)
+    alive = _survive(path, vector(path.flux), weight, ratio, base)
+    path.visibility = mesh.visible[hit.face]
+    return alive, wi
 
 
 @kernel
@@ -152,12 +246,15 @@ def step_photons(
     mesh: Row,
     materials: Table,
     lobes: Table,
+    shading: Row,
     lights: Row,
+    spare: int,
     caustic: bool,
     most_depth: int,
     hit_face: Table,
     hit_u: Table,
     hit_v: Table,
+    hits: Table,
     count: int,
     origins: Table,
     directions: Table,
@@ -167,58 +264,46 @@ def step_photons(
 ) -> Any:
     """One surface for each photon: store, scatter, compact: (still alive, stored).
 
-    ``caustic`` photons live on specular surfaces alone and are stored only after one.
+    ``caustic`` photons live on narrow scattering alone and are stored only after some.
+    ``hits`` (1,) ``HIT`` is room to work in, ``lobes`` has free rows from ``spare`` on.
     """
     alive = 0
     kept = 0
+    hit = hits[0]
     for k in range(count):
         if hit_face[k] < 0:
             continue
         path = paths[k]
-        wo = scale(vector(path.direction), -1.0)
-        p, ng, ns, entering, offset = interact(mesh, hit_face[k], hit_u[k], hit_v[k], wo)
-        if path.depth == 0 and not reaches(lights, path.entry, read(origins, k), p):
+        meet(hit, mesh, hit_face[k], hit_u[k], hit_v[k], origins, k, path)
+        if path.depth == 0 and not reaches(lights, path.entry, read(origins, k), vector(hit.p)):
             continue
-        row = mesh.material[hit_face[k]]
-        rough, smooth = lobe_weights(materials[row], lobes)
-        base = FIRST_BOUNCE + _DIMENSIONS * path.depth
-        cos_g = dot(wo, ng)
-        ratio = min(_MOST_CORRECTION, dot(wo, ns) / cos_g) if cos_g > 0.0 else 0.0
-        flux = vector(path.flux)
-        if rough > 0.0 and ratio > 0.0 and _is_seen(path, _DIFFUSE_BIT):
-            if not caustic or path.depth > 0:
-                _store(photons[kept], p, wo, ng, flux, ratio)
-                order[kept] = path.index * most_depth + path.depth
-                kept += 1
-        total = smooth if caustic else rough + smooth
-        if total <= 0.0 or path.depth + 1 >= most_depth:
-            continue
-        if caustic or uniform(path.key, base) * total < smooth:
-            wi, weight, transmitted, _ = scatter_specular(
-                materials, lobes, path, row, ng, ns, entering, wo,
-                uniform(path.key, base + 2), uniform(path.key, base + 3),
-            )  # fmt: skip
-            if not _is_seen(path, _TRANSMISSION_BIT if transmitted else _GLOSSY_BIT):
+        base = FIRST_BOUNCE + _DIMENSIONS * path.steps
+        path.steps += 1
+        wi = vector(path.direction)
+        if not _arrive(path, hit, mesh, materials, lobes, shading, spare, base):
+            wide, narrow = lobe_weights(path, lobes)
+            cos_g = dot(vector(hit.wo), vector(hit.ng))
+            cos_s = dot(vector(hit.wo), vector(hit.ns))
+            ratio = min(_MOST_CORRECTION, cos_s / cos_g) if cos_g > 0.0 else 0.0
+            if wide > 0.0 and ratio > 0.0 and path.visibility & _DIFFUSE_BIT:
+                if not caustic or path.depth > 0:
+                    _store(photons[kept], hit, vector(path.flux), ratio)
+                    order[kept] = path.index * most_depth + path.depth
+                    kept += 1
+            if path.depth + 1 >= most_depth:
                 continue
-            cos_s = abs(dot(wi, ns))
-            ratio *= min(_MOST_CORRECTION, abs(dot(wi, ng)) / cos_s) if cos_s > 0.0 else 0.0
-            ratio *= total / smooth
-            if transmitted:
-                cross_surface(path, row, entering)
-        else:
-            if not _is_seen(path, _DIFFUSE_BIT):
+            living, wi = _bounce(
+                path, hit, mesh, materials, lobes, shading, spare, caustic, base, ratio
+            )
+            if not living:
                 continue
-            wi, weight = _scatter_diffuse(materials[row], lobes, ng, ns, wo, path.key, base)
-            ratio *= total / rough
-            path.specular = 0
-        if not _survive(path, flux, weight, ratio, base):
+            path.depth += 1
+        if path.steps >= _MOST_STEPS or not max(vector(path.flux)) > 0.0:
             continue
-        path.depth += 1
-        store(path.direction, wi)
-        origin = leave(p, ng, wi, offset)
         if alive != k:
             paths[alive] = paths[k]
-        store(origins[alive], origin)
+        store(paths[alive].direction, wi)
+        store(origins[alive], leave(vector(hit.p), vector(hit.ng), wi, hit.offset))
         store(directions[alive], wi)
         alive += 1
     return alive, kept

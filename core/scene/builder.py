@@ -86,6 +86,7 @@ class SceneBuilder(LightBuilder):
         self._face_object: list[NDArray[np.int32]] = []
         self._vertex_count = 0
         self._objects: list[str] = []
+        self._visibility: list[int] = []
         self._materials: list[NDArray[np.void]] = []
         self._closures: list[np.void] = []
         self._material_names: list[str] = []
@@ -138,12 +139,14 @@ class SceneBuilder(LightBuilder):
         material: ArrayLike,
         corner_normals: ArrayLike | None = None,
         uvs: ArrayLike | None = None,
+        visibility: Visibility = Visibility.ALL,
     ) -> None:
         """Add one object's triangles.
 
         vertices (V, 3) world metres; faces (F, 3); material: a row or one per face;
         corner_normals: (F, 3, 3) unit, zeros where flat, None for an all-flat mesh;
-        uvs: (K, F, 3, 2) sets of texture coordinates, or one set (F, 3, 2).
+        uvs: (K, F, 3, 2) sets of texture coordinates, or one set (F, 3, 2);
+        visibility: which rays see it.
         """
         points = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
         triangles = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
@@ -173,6 +176,7 @@ class SceneBuilder(LightBuilder):
         self._face_material.append(rows.astype(np.int32))
         self._face_object.append(np.full(len(triangles), len(self._objects), np.int32))
         self._objects.append(name)
+        self._visibility.append(int(visibility))
         self._vertex_count += len(points)
 
     def set_camera(self, camera: CameraData) -> None:
@@ -194,6 +198,7 @@ class SceneBuilder(LightBuilder):
             uvs=stacked_uvs(self._uvs),
             lobes=np.array(self._lobes, dtype=LOBE),
             camera=self._camera,
+            object_visibility=np.array(self._visibility, dtype=np.int32),
             object_names=tuple(self._objects),
             material_names=tuple(self._material_names),
             **others,

@@ -37,6 +37,7 @@ class Scene:
     corner_normals  (F, 3, 3) float32 unit shading normals, or zeros: a flat face
     face_material   (F,) int32 row of ``materials``
     face_object     (F,) int32 index into ``object_names``
+    object_visibility (O,) int32 ``Visibility`` bits, all by default
     materials       (M,) ``tables.MATERIAL``; lobes (L,) ``tables.LOBE``
     closures        (C,) ``tables.CLOSURE``: of the materials that vary over their surface
     textures        (T,) ``tables.TEXTURE``; images (I,) ``tables.IMAGE``
@@ -80,6 +81,7 @@ class Scene:
     world_visibility: NDArray[np.int32] = field(
         default_factory=lambda: np.array([int(Visibility.ALL)], np.int32)
     )
+    object_visibility: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
     object_names: tuple[str, ...] = ()
     material_names: tuple[str, ...] = ()
     light_names: tuple[str, ...] = ()
@@ -87,6 +89,9 @@ class Scene:
     def __post_init__(self) -> None:
         if self.uvs.shape == (0, 0, 3, 2):
             object.__setattr__(self, "uvs", np.zeros((0, len(self.faces), 3, 2), np.float32))
+        if len(self.object_visibility) == 0:
+            seen = np.full(len(self.object_names), int(Visibility.ALL), np.int32)
+            object.__setattr__(self, "object_visibility", seen)
         check_scene(self)
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
@@ -110,6 +115,7 @@ def check_scene(scene: Scene) -> None:
         "world_rotation": ((3, 3), np.dtype("f8")),
         "world_visibility": ((1,), np.dtype("i4")),
         "luminance": ((3,), np.dtype("f8")),
+        "object_visibility": ((len(scene.object_names),), np.dtype("i4")),
         "closures": ((len(scene.closures),), CLOSURE),
         "textures": ((len(scene.textures),), TEXTURE),
         "images": ((len(scene.images),), IMAGE),

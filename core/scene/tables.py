@@ -96,13 +96,14 @@ class LightKind(IntEnum):
 
 
 class Visibility(IntFlag):
-    """Which rays see the shape of a lamp (a lamp never blocks a ray)."""
+    """Which rays see an object, or the shape of a lamp (a lamp never blocks a ray)."""
 
     CAMERA = 1
     DIFFUSE = 2
     GLOSSY = 4
     TRANSMISSION = 8
-    ALL = 15
+    SHADOW = 16
+    ALL = 31
 
 
 #: One scattering lobe. ``weight`` is its albedo per channel, mix factors included; ``ior``

@@ -18,7 +18,8 @@ from photon_map.tests.statistics import integral, same_means
 PASSES, COUNT = 40, 4096
 TURN = scenes.look_at((0, 0, 0), (1, 2, 3))[:3, :3]
 HEIGHT = 2.0
-SPHERES = np.array([[0.0, 0.0, 0.0, 0.8], [0.3, 0.2, 0.0, 0.3]])
+#: Centre, radius and strength of two casters.
+SPHERES = np.array([[0.0, 0.0, 0.0, 0.8, 1.0], [0.3, 0.2, 0.0, 0.3, 0.4]])
 
 
 def emitted(builder, aimed=False):
@@ -27,7 +28,7 @@ def emitted(builder, aimed=False):
     centre = centre_of(scene)
     mesh = centred_mesh(scene, centre)
     lights = light_set(scene, mesh, centre)
-    spheres = SPHERES - [*centre.origin, 0]
+    spheres = SPHERES - [*centre.origin, 0, 0]
     media = np.zeros((len(lights.power), 9), np.int32)
     shape = (PASSES, COUNT, 3)
     origins, directions = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
