@@ -94,11 +94,21 @@ def _absorb(materials: Table, path: Row, way: float) -> None:
 
 
 @kernel
-def _go_straight(path: Row, hit: Row, origins: Table, directions: Table, k: int) -> None:
-    """Ray ``k`` goes on behind the surface as if nothing had happened."""
-    d = vector(path.direction)
-    store(origins[k], leave(vector(hit.p), vector(hit.ng), d, hit.offset))
-    store(directions[k], d)
+def _go_straight(
+    paths: Table, k: int, hit: Row, origins: Table, directions: Table, to: int
+) -> None:
+    """Path ``k`` goes on behind the surface as if nothing had happened, as number ``to``."""
+    if to != k:
+        paths[to] = paths[k]
+    d = vector(paths[to].direction)
+    store(origins[to], leave(vector(hit.p), vector(hit.ng), d, hit.offset))
+    store(directions[to], d)
+
+
+@kernel
+def _is_clipped(path: Row, hit: Row) -> bool:
+    """Whether a camera ray's hit lies farther than it may see."""
+    return path.event == _CAMERA_BIT and path.since + hit.way > path.reach
 
 
 @kernel
@@ -241,11 +251,10 @@ def step_paths(
     for k in range(count):
         path = paths[k]
         sample = samples[path.slot]
-        if hit_face[k] < 0:
-            see_world(path, sample, materials, lights, gather, transparent)
-            continue
-        meet(hit, mesh, hit_face[k], hit_u[k], hit_v[k], origins, k, path)
-        if path.event == _CAMERA_BIT and path.since + hit.way > path.reach:
+        face = hit_face[k]
+        if face >= 0:
+            meet(hit, mesh, face, hit_u[k], hit_v[k], origins, k, path)
+        if face < 0 or _is_clipped(path, hit):
             see_world(path, sample, materials, lights, gather, transparent)
             continue
         path.steps += 1
@@ -255,8 +264,7 @@ def step_paths(
             uniform(path.key, base + STEP_PASS),
         ):  # fmt: skip
             if path.steps < MOST_STEPS and _carries(path, min_throughput):
-                paths[alive] = paths[k]
-                _go_straight(path, hit, origins, directions, alive)
+                _go_straight(paths, k, hit, origins, directions, alive)
                 alive += 1
             continue
         if path.event == _CAMERA_BIT:
@@ -266,8 +274,8 @@ def step_paths(
             continue
         path.depth += 1
         u_stop, u_event = _choices(path, gather, i, base)
-        part = WIDE if u_stop * (wide + narrow) >= narrow else NARROW
-        share = (wide + narrow) / (wide if part == WIDE else narrow)
+        part, own = (WIDE, wide) if u_stop * (wide + narrow) >= narrow else (NARROW, narrow)
+        share = (wide + narrow) / own
         if part == WIDE or (not gather and has_rough_narrow(path, lobes)):
             _light_here(vertices[lit], path, hit, part, share)
             lit += 1

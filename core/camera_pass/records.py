@@ -11,9 +11,10 @@ _MEDIA = [("media_count", "i4"), ("media", "i4", STACK)]
 #: A camera path on a chain of narrow scattering. ``slot``: its row among the chunk's
 #: samples; ``event``: ``Visibility`` bit of its last event; ``length``: way from the lens
 #: [m]; ``depth``: events so far; ``steps``: surfaces so far, those it went straight through
-#: included; ``reach``: how far a camera ray sees [m]. ``origin``, ``normal``: its last event, ``since`` the way from there [m],
-#: ``pdf_w`` the density of its direction where light sampling was the other technique,
-#: else 0. ``lobe_start`` and ``lobe_count``: the lobes of the surface that it is on.
+#: included; ``reach``: how far a camera ray sees [m]. ``origin``, ``normal``: its last
+#: event, ``since`` the way from there [m], ``pdf_w`` the density of its direction where
+#: light sampling was the other technique, else 0. ``lobe_start`` and ``lobe_count``: the
+#: lobes of the surface that it is on.
 PATH = np.dtype(
     [
         ("key", "u8"),

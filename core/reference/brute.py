@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..jit import kernel
+from ..jit import allocating_kernel as kernel
 from .flat import Flat
 from .vector import Vec, along, cross, dot, unit, vec
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import kernel
+from ..jit import allocating_kernel as kernel
 from ..scene.camera_data import CameraData
 from .vector import TWO_PI, Stream, Vec, along, uniform, unit, vec
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from ..jit import kernel
+from ..jit import allocating_kernel as kernel
 from ..scene.tables import LightKind
 from .flat import Flat
 from .vector import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import kernel
+from ..jit import allocating_kernel as kernel
 from .brute import closest
 from .flat import Flat
 from .vector import Vec, along, dot, vec

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..jit import kernel
+from ..jit import allocating_kernel as kernel
 from .vector import Vec, dot
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import kernel
+from ..jit import allocating_kernel as kernel
 from ..scene.scene import Scene, SceneError
 from .camera import film_plane, primary_ray
 from .flat import Flat, flatten

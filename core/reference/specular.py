@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..jit import kernel
+from ..jit import allocating_kernel as kernel
 from ..scene.tables import Model
 from .flat import Flat
 from .media import Stack, cross_surface

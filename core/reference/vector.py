@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit import kernel
+from ..jit import allocating_kernel as kernel
 
 Vec = tuple[float, float, float]
 Stream = NDArray[np.uint64]

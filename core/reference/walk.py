@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..jit import kernel
+from ..jit import allocating_kernel as kernel
 from ..scene.tables import Visibility
 from .brute import blocked, closest, shading_normal
 from .flat import Flat, Floats

@@ -19,6 +19,7 @@ from .tables import (
     MATERIAL,
     Fresnel,
     Model,
+    Visibility,
 )
 
 

@@ -29,6 +29,7 @@ def one_face(corners: Sequence[Sequence[float]] = CORNERS) -> Mesh:
         normals=np.zeros((1, 3, 3), np.float32),
         smooth=np.zeros(1, np.bool_),
         material=np.zeros(1, np.int32),
+        visible=np.full(1, 31, np.int32),
     )
 
 
