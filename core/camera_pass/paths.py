@@ -288,9 +288,8 @@ def step_paths(
         wi = _go_on(materials, lobes, path, hit, u_event, base, share)
         if not _carries(path, min_throughput):
             continue
-        o = leave(vector(hit.p), vector(hit.ng), wi, hit.offset)
-        store(path.origin, o)
-        store(origins[alive], o)
+        store(path.origin, leave(vector(hit.p), vector(hit.ng), wi, hit.offset))
+        store(origins[alive], vector(path.origin))
         store(directions[alive], wi)
         if alive != k:
             paths[alive] = paths[k]
