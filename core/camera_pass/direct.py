@@ -54,8 +54,7 @@ def sample_direct(
         behind = dot(wi, ng) < 0.0
         if not pdf_w > 0.0 or behind != (dot(wi, ns) < 0.0):
             continue
-        bit = part_bit(vertex, lobes, vertex.part, behind)
-        if visibility_of(lights, entry) & bit == 0:
+        if visibility_of(lights, entry) & part_bit(vertex, lobes, vertex.part, behind) == 0:
             continue
         f = eval_part(vertex, lobes, ns, wo, wi, vertex.part)
         if not max(f) > 0.0:

@@ -39,6 +39,7 @@ PHOTON_PATH = np.dtype(
         ("lobe_start", "i4"),
         ("lobe_count", "i4"),
         ("visibility", "i4"),
+        ("entry", "i4"),
         ("media_count", "i4"),
         ("media", "i4", STACK),
     ],
