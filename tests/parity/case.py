@@ -22,8 +22,8 @@ class Case:
     name: str
     says: str
     build: Build
-    passes: int = 64
-    samples: int = 128
+    passes: int = 32
+    samples: int = 64
     photons: int = -1
     size: tuple[int, int] = (32, 32)
     quick: bool = False
