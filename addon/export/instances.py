@@ -74,12 +74,15 @@ def _add_mesh(
     slots = [slot.material for slot in obj.material_slots] or mesh_materials
     vertices, faces, normals = arrays.placed(matrix)
     rows = materials.face_rows(obj.name, slots, arrays.slots)
+    # After the materials, which say what UV maps there are to be.
+    uvs = arrays.placed_uvs(matrix, materials.pictures.uv_names)
     seen = rows != NO_SURFACE
     if not seen.all():
         faces, rows = faces[seen], rows[seen]
         normals = None if normals is None else normals[seen]
+        uvs = None if uvs is None else uvs[:, seen]
     warn_open_glass(obj.name, arrays.vertices, faces, materials.refracts(rows), log)
-    builder.add_mesh(obj.name, vertices, faces, rows, normals)
+    builder.add_mesh(obj.name, vertices, faces, rows, normals, uvs)
 
 
 class _MeshCache:

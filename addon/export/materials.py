@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,11 @@ from numpy.typing import NDArray
 
 from ...core.scene.builder import SceneBuilder, diffuse
 from ..report import ExportLog
-from .nodes import NodeReader, shader_of, tree_of
-from .shaders import ShaderFolder, Shading
+from .folding import ShaderFolder, Shading
+from .nodes import shader_of, tree_of
+from .pictures import PictureTable
+from .values import ValueReader
+from .volumes import absorption
 
 #: Albedo of faces without a material, the one of Blender's new materials.
 DEFAULT_ALBEDO = 0.8
@@ -26,6 +30,7 @@ class MaterialTable:
         self.builder = builder
         self.log = log
         self.override = override
+        self.pictures = PictureTable(builder, log)
         self._rows: dict[int | None, int] = {}
         self._refracting: set[int] = set()
 
@@ -70,11 +75,65 @@ class MaterialTable:
                 "else is left out"
             )
             return NO_SURFACE
-        shading = fold_material(material, self.log)
-        row = self.builder.add_material(material.name, shading.lobes, shading.emission)
-        if any(lobe.ior > 0 for lobe in shading.lobes):
+        tree = tree_of(material)
+        if tree is None:
+            color = np.clip(np.array(material.diffuse_color[:3], dtype=np.float64), 0.0, 1.0)
+            return self.builder.add_material(material.name, [diffuse(color)])
+        return self._add_shaders(material, tree.get_output_node("CYCLES"))
+
+    def _add_shaders(self, material: Any, output: Any | None) -> int:
+        """Add a material by its nodes: as constant lobes where they say all there is."""
+        name, owner = material.name, f"material '{material.name}'"
+        if output is None:
+            self.log.warn(f"{owner} has no output node; it is black")
+            return self.builder.add_material(name)
+        displacement = output.inputs.get("Displacement")
+        if displacement is not None and displacement.is_linked:
+            self.log.warn(f"{owner}: displacement is not supported yet and ignored")
+        reader = ValueReader(owner, self.log, self.pictures)
+        shading = ShaderFolder(reader).fold(output.inputs["Surface"])
+        others = self._body(reader, material, shading, output.inputs.get("Volume"))
+        lobes = shading.lobes()
+        if lobes is not None:
+            row = self.builder.add_material(name, lobes, shading.emission, **others)
+        else:
+            others |= self._normal(owner, shading)
+            row = self.builder.add_material(
+                name,
+                emission=shading.emission,
+                closures=shading.rows(),
+                passes=shading.passes,
+                **others,
+            )
+        if shading.ior > 0:
             self._refracting.add(row)
         return row
+
+    def _body(
+        self, reader: ValueReader, material: Any, shading: Shading, volume: Any | None
+    ) -> dict[str, Any]:
+        """What fills the space behind the surface."""
+        inside = np.zeros(3) if volume is None else absorption(reader, volume)
+        if inside.any() and not shading.ior > 0:
+            self.log.warn(
+                f"{reader.owner}: volume absorption is ignored, its surface has to refract"
+            )
+            inside = np.zeros(3)
+        own = getattr(material, "photon_map", None)
+        return {
+            "ior": shading.ior,
+            "absorption": inside,
+            "priority": 0 if own is None else own.priority,
+        }
+
+    def _normal(self, owner: str, shading: Shading) -> dict[str, Any]:
+        """Fields of the bent normal: that of the first shader which has one."""
+        bent = [normal for normal in shading.normals if normal is not None]
+        if not bent:
+            return {}
+        if len(shading.normals) > 1:
+            self.log.warn(f"{owner}: its shaders' normals differ, all get that of the first")
+        return asdict(bent[0])
 
 
 def only_volume(material: Any) -> bool:
@@ -84,21 +143,3 @@ def only_volume(material: Any) -> bool:
     if output is None or shader_of(output.inputs["Surface"]) is not None:
         return False
     return shader_of(output.inputs["Volume"]) is not None
-
-
-def fold_material(material: Any, log: ExportLog) -> Shading:
-    """Lobes and emission of one material."""
-    tree = tree_of(material)
-    if tree is None:
-        color = np.clip(np.array(material.diffuse_color[:3], dtype=np.float64), 0.0, 1.0)
-        return Shading((diffuse(color),))
-    owner = f"material '{material.name}'"
-    output = tree.get_output_node("CYCLES")
-    if output is None:
-        log.warn(f"{owner} has no output node; it is black")
-        return Shading()
-    for name in ("Volume", "Displacement"):
-        socket = output.inputs.get(name)
-        if socket is not None and socket.is_linked:
-            log.warn(f"{owner}: {name.lower()} is not supported yet and ignored")
-    return ShaderFolder(NodeReader(owner, log)).fold(output.inputs["Surface"])

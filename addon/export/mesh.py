@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,28 @@ from numpy.typing import NDArray
 @dataclass(frozen=True, eq=False)
 class MeshArrays:
     """Triangles in object space: vertices (V, 3) float64, faces (F, 3) int32, material
-    slot (F,) int32, corner_normals (F, 3, 3) float64 with zeros where a face is flat."""
+    slot (F,) int32, corner_normals (F, 3, 3) float64 with zeros where a face is flat; uvs:
+    (F, 3, 2) float32 by the name of the UV map, "" for the one active for rendering."""
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int32]
     slots: NDArray[np.int32]
     corner_normals: NDArray[np.float64] | None
+    uvs: dict[str, NDArray[np.float32]] = field(default_factory=dict)
+
+    def placed_uvs(
+        self, matrix: NDArray[np.float64], names: Sequence[str]
+    ) -> NDArray[np.float32] | None:
+        """Coordinates (K, F, 3, 2) of the UV maps ``names``, corners as ``placed`` has them.
+
+        Zeros for a map that the mesh does not have, None without any names.
+        """
+        if not names:
+            return None
+        none = np.zeros((len(self.faces), 3, 2), np.float32)
+        sets = np.stack([self.uvs.get(name, none) for name in names])
+        mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0)
+        return sets[:, :, [0, 2, 1]] if mirrored else sets
 
     def placed(
         self, matrix: NDArray[np.float64]
@@ -55,7 +72,20 @@ def read_mesh(mesh: Any) -> MeshArrays:
     triangles = mesh.loop_triangles
     faces = _read(triangles, "vertices", 3, np.int32)
     slots = _read(triangles, "material_index", 1, np.int32).reshape(-1)
-    return MeshArrays(vertices, faces, slots, _corner_normals(mesh))
+    return MeshArrays(vertices, faces, slots, _corner_normals(mesh), _uv_maps(mesh))
+
+
+def _uv_maps(mesh: Any) -> dict[str, NDArray[np.float32]]:
+    """Coordinates (F, 3, 2) of every UV map by name, and of the active one by ""."""
+    if not len(mesh.uv_layers):
+        return {}
+    loops = _read(mesh.loop_triangles, "loops", 3, np.int32)
+    maps: dict[str, NDArray[np.float32]] = {}
+    for layer in mesh.uv_layers:
+        maps[layer.name] = _read(layer.uv, "vector", 2, np.float32)[loops]
+        if layer.active_render:
+            maps[""] = maps[layer.name]
+    return maps
 
 
 def _corner_normals(mesh: Any) -> NDArray[np.float64] | None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import bpy
 
+from .material import PhotonMapMaterialProperties
 from .scene import PhotonMapSceneProperties
 from .view_layer import PhotonMapViewLayerProperties
 
 #: ID type, property group: each is found at ``<ID>.photon_map``.
 GROUPS = (
     (bpy.types.Scene, PhotonMapSceneProperties),
+    (bpy.types.Material, PhotonMapMaterialProperties),
     (bpy.types.ViewLayer, PhotonMapViewLayerProperties),
 )
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import light, render, stock, view_layer
+from . import light, material, render, stock, view_layer
 
-CLASSES = (*render.PANELS, *view_layer.PANELS, *light.PANELS)
+CLASSES = (*render.PANELS, *view_layer.PANELS, *light.PANELS, *material.PANELS)
 
 
 def register() -> None:

@@ -67,6 +67,16 @@ def refraction(ior: float, color: ArrayLike = 1.0) -> Lobe:
     return Lobe(Model.REFRACTION, rgb(color), ior=float(ior))
 
 
+def transparent(color: ArrayLike = 1.0) -> Lobe:
+    """Light goes straight through, tinted by ``color``."""
+    return Lobe(Model.TRANSPARENT, rgb(color))
+
+
+def translucent(color: ArrayLike) -> Lobe:
+    """Lambertian transmission to the other side."""
+    return Lobe(Model.TRANSLUCENT, rgb(color))
+
+
 class SceneBuilder(LightBuilder):
     """Collects meshes, materials, lights and the camera; ``build`` freezes them.
 

@@ -54,6 +54,7 @@ def closure(kind: ClosureKind, factors: Sequence[np.void] = (), **values: Any) -
     row = np.zeros((), CLOSURE)
     row["kind"] = int(kind)
     row["factor_count"] = len(factors)
+    row["factors"]["param"]["texture"] = -1
     for k, given in enumerate(factors):
         row["factors"][k] = given
     for name in PARAM_NAMES:

@@ -36,14 +36,22 @@ class Exported(NamedTuple):
         cross = np.cross(b - a, c - a)
         return cross / np.linalg.norm(cross, axis=1, keepdims=True)
 
+    def material(self, name: str) -> Any:
+        """Row of the material table."""
+        return self.scene.materials[self.scene.material_names.index(name)]
+
+    def closures_of(self, material: str) -> list[Any]:
+        """Rows of the closure table of ``material``."""
+        row = self.material(material)
+        return list(self.scene.closures[row["closure_start"] :][: row["closure_count"]])
+
     def lobes_of(self, material: str) -> list[Any]:
         """Rows of the lobe table of ``material``."""
-        row = self.scene.materials[self.scene.material_names.index(material)]
+        row = self.material(material)
         return list(self.scene.lobes[row["lobe_start"] :][: row["lobe_count"]])
 
     def emission_of(self, material: str) -> np.ndarray:
-        row = self.scene.materials[self.scene.material_names.index(material)]
-        return np.array(row["emission"])
+        return np.array(self.material(material)["emission"])
 
 
 def export(bpy: Any, **overrides: Any) -> Exported:
@@ -76,12 +84,22 @@ def add_mesh(
     shape: tuple[list, list] = SQUARE,
     *materials: Any,
     smooth: bool = False,
+    uv: bool = False,
+    material: Any = None,
 ) -> Any:
-    """An object of vertices and faces with material slots."""
+    """An object of vertices and faces with material slots.
+
+    ``uv``: with a map, of 0..1 for x and y in -1..1.
+    """
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(shape[0], [], shape[1])
-    for material in materials:
-        mesh.materials.append(material)
+    if uv:
+        layer = mesh.uv_layers.new(name="UVMap")
+        for loop, corner in zip(mesh.loops, layer.uv, strict=True):
+            x, y, _ = mesh.vertices[loop.vertex_index].co
+            corner.vector = ((x + 1) / 2, (y + 1) / 2)
+    for used in (*materials, *([material] if material else [])):
+        mesh.materials.append(used)
     if smooth:
         mesh.shade_smooth()
     return link(bpy, bpy.data.objects.new(name, mesh))

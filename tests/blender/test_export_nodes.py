@@ -74,16 +74,75 @@ def test_a_texture_at_two_inputs_warns_once(bpy: Any) -> None:
     assert len(export(bpy).warnings) == 1
 
 
-def test_a_bump_map_warns(bpy: Any) -> None:
+def test_a_bump_map_of_a_pattern_warns(bpy: Any) -> None:
     add_camera(bpy)
     material = new_material(bpy, "M", "ShaderNodeBsdfGlass", Roughness=0.0)
     tree = material.node_tree
-    bump = tree.nodes.new("ShaderNodeBump")
+    bump, pattern = tree.nodes.new("ShaderNodeBump"), tree.nodes.new("ShaderNodeTexChecker")
     tree.links.new(bump.outputs[0], tree.nodes["Glass BSDF"].inputs["Normal"])
     add_cube(bpy, "Cube", material)
+    assert export(bpy).warnings == (), "a constant height is flat"
+    tree.links.new(pattern.outputs["Fac"], bump.inputs["Height"])
     (warning,) = export(bpy).warnings
-    assert "'Bump'" in warning
-    assert "'Normal'" in warning
+    assert "'Checker Texture'" in warning
+    assert "'Height'" in warning
+
+
+def group_of(bpy: Any, name: str, *, color: tuple[float, ...]) -> Any:
+    """A node group with the input Tint and a diffuse shader of that colour."""
+    tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    tree.interface.new_socket("Tint", in_out="INPUT", socket_type="NodeSocketColor")
+    tree.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    shader.inputs["Color"].default_value = color
+    tree.links.new(start.outputs["Tint"], shader.inputs["Color"])
+    tree.links.new(shader.outputs[0], end.inputs["Shader"])
+    return tree
+
+
+def test_groups_are_followed_in_and_out(bpy: Any) -> None:
+    """One group twice: each use has its own colour, linked or typed in."""
+    add_camera(bpy)
+    inner = group_of(bpy, "Inner", color=RED)
+    material = new_material(bpy, "M")
+    tree = material.node_tree
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    mix.inputs[0].default_value = 0.25
+    rgb = tree.nodes.new("ShaderNodeRGB")
+    rgb.outputs[0].default_value = (0.0, 1.0, 0.0, 1.0)
+    for place in (1, 2):
+        group = tree.nodes.new("ShaderNodeGroup")
+        group.node_tree = inner
+        group.inputs["Tint"].default_value = (1.0, 0.0, 0.0, 1.0)
+        tree.links.new(group.outputs[0], mix.inputs[place])
+    tree.links.new(rgb.outputs[0], group.inputs["Tint"])
+    tree.links.new(mix.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    add_cube(bpy, "Cube", material)
+    got = export(bpy)
+    assert colors(got) == [[0.75, 0.25, 0.0]]
+    assert got.warnings == ()
+
+
+def test_a_group_in_a_group(bpy: Any) -> None:
+    add_camera(bpy)
+    inner = group_of(bpy, "Inner", color=RED)
+    outer = bpy.data.node_groups.new("Outer", "ShaderNodeTree")
+    outer.interface.new_socket("Paint", in_out="INPUT", socket_type="NodeSocketColor")
+    outer.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    start, end = outer.nodes.new("NodeGroupInput"), outer.nodes.new("NodeGroupOutput")
+    group = outer.nodes.new("ShaderNodeGroup")
+    group.node_tree = inner
+    outer.links.new(start.outputs["Paint"], group.inputs["Tint"])
+    outer.links.new(group.outputs[0], end.inputs["Shader"])
+    material = new_material(bpy, "M")
+    tree = material.node_tree
+    use = tree.nodes.new("ShaderNodeGroup")
+    use.node_tree = outer
+    use.inputs["Paint"].default_value = (0.25, 0.5, 0.75, 1.0)
+    tree.links.new(use.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    add_cube(bpy, "Cube", material)
+    assert colors(export(bpy)) == [[0.25, 0.5, 0.75]]
 
 
 def test_muted_nodes_are_passed_through(bpy: Any) -> None:

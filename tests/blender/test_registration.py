@@ -135,5 +135,6 @@ def test_own_panels_draw(bpy: Any) -> None:
 
         for kind in ("POINT", "SPOT", "SUN", "AREA"):
             Context.light = bpy.data.lights.new("L", kind)
+            Context.material = bpy.data.materials.new("M")
             assert panel.poll(Context)
             panel.draw(Holder(), Context)
