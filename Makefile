@@ -8,12 +8,13 @@ ARGS ?=
 
 BIN := .venv/bin
 
-.PHONY: help env env-core bpy render test test-core lint samples clean
+.PHONY: help env env-core bpy render test test-core accuracy lint samples clean
 
 help:
 	@echo "make render [BLEND=file.blend]  render it to renders/*.png and *.exr"
 	@echo "make test                       lint, types and all tests"
 	@echo "make test-core                  the tests that need no Blender, without bpy"
+	@echo "make accuracy                   the long comparisons (under an hour): docs/accuracy.md"
 	@echo "make lint                       ruff and mypy"
 	@echo "make samples                    build sample_blends/*.blend again (Python 3.11)"
 	@echo "make clean                      remove everything that make made"
@@ -48,6 +49,15 @@ test-core: env-core
 	.venv-core/bin/python -m pytest -m "not blender" \
 		--ignore=tests/addon --ignore=tests/blender $(ARGS)
 
+# Both Blenders where both Pythons are at hand; the document says which one was not.
+accuracy:
+	@tools/make_env.sh .venv-accuracy blender,cli,dev,accuracy "3.11 3.13" "$(PYTHON)"
+	@.venv-accuracy/bin/python -m photon_map.blender_libraries
+	@case "$$(.venv-accuracy/bin/python -V)" in *3.11*) other=3.13;; *) other=3.11;; esac; \
+		tools/make_env.sh .venv-accuracy-other blender,cli,dev "$$other" || true; \
+		.venv-accuracy/bin/python benchmarks/accuracy.py \
+			--python .venv-accuracy-other/bin/python $(ARGS)
+
 # bpy 4.2 writes files that Blender 4.2 to 5.2 open.
 samples:
 	@tools/make_env.sh .venv-samples samples "3.11" "$(PYTHON)"
@@ -58,6 +68,6 @@ samples:
 	done
 
 clean:
-	rm -rf .venv .venv-core .venv-samples .cache .mypy_cache .pytest_cache .ruff_cache \
+	rm -rf .venv .venv-* .cache .mypy_cache .pytest_cache .ruff_cache \
 		.hypothesis build dist renders *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -13,7 +13,8 @@ Build = Callable[[Any], None]
 class Case:
     """One scene. ``build`` gets a ``Stage`` and fills Blender's empty scene.
 
-    ``passes`` of ours and ``samples`` of Cycles are those of one seed. ``deviation`` says
+    ``passes`` of ours and ``samples`` of Cycles are those of one seed; ``photons`` of each
+    kind a pass, -1: the engine's own choice. ``deviation`` says
     why Cycles is not the judge here, and where the proof is. ``fine`` are warnings of the
     export that take nothing from the scene.
     """
@@ -23,6 +24,7 @@ class Case:
     build: Build
     passes: int = 32
     samples: int = 64
+    photons: int = -1
     size: tuple[int, int] = (32, 32)
     quick: bool = False
     deviation: str = ""

@@ -36,7 +36,8 @@ ROUNDING = 0.001
 
 @dataclass(frozen=True)
 class Verdict:
-    """Outcome of one scene: ``state`` is "pass", "fail", "noisy", "unsupported" or "error".
+    """Outcome of one scene: ``state`` is "pass", "fail", "noisy", or of
+    the runner "unsupported", "error" or "differs" (and Cycles is not the judge).
 
     ``difference`` (ours - theirs) / theirs per channel; ``error`` its standard error;
     ``z`` the largest deviation of a block in standard errors, beyond what is allowed;

@@ -79,6 +79,8 @@ def judge(out: Path, name: str) -> Verdict:
     missing = [w for w in facts["warnings"] if not any(fine in w for fine in case.fine)]
     if missing:
         return Verdict(**{**vars(verdict), "state": "unsupported", "why": "; ".join(missing)})
+    if verdict.state == "fail" and case.deviation:
+        return Verdict(**{**vars(verdict), "state": "differs", "why": case.deviation})
     return verdict
 
 

@@ -30,13 +30,8 @@ from cycles_peer import BOUNCES, quiet, render_image, set_up  # noqa: E402
 from tests.blender.conftest import load_package  # noqa: E402
 from tests.parity.case import Case  # noqa: E402
 from tests.parity.cases import CASES  # noqa: E402
+from tests.parity.protocol import ENOUGH, ROUNDS, SEEDS  # noqa: E402
 from tests.parity.stage import Stage  # noqa: E402
-
-#: Seeds of one round; rounds are added until the image's mean is known well enough.
-SEEDS = 8
-ROUNDS = 4
-#: Standard error of the image's mean, as a share of it, that is well enough.
-ENOUGH = 0.001
 
 Image = np.ndarray
 
@@ -78,6 +73,7 @@ def render_ours(case: Case) -> dict[str, Any]:
     def image(seed: int) -> Image:
         settings = Settings(
             passes=case.passes, seed=seed, pixel_filter="BOX", filter_width=1.0, threads=2,
+            photons_global=case.photons, photons_caustic=case.photons,
             camera_depth=BOUNCES, photon_depth=BOUNCES,
         )  # fmt: skip
         *_, update = render(job.scene, settings)

@@ -1,0 +1,114 @@
+"""Closed forms and convergence in docs/accuracy.md: caustics, slopes, the stability tests."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import accuracy_pictures as pictures
+
+ROOT = Path(__file__).resolve().parents[1]
+PASSES = (1, 4, 16, 64, 256)
+#: Slopes of the mean squared error over passes that theory allows, by layer.
+CAUSTIC_SLOPES = (-0.75, -0.60)
+OTHER_SLOPES = (-1.05, -0.90)
+STABILITY_TIMEOUT = 1500.0
+
+
+def caustics(folder: Path) -> Iterator[str]:
+    """Error of each closed-form caustic at growing numbers of passes."""
+    from photon_map.tests.analytic.cases import CASES, table
+
+    yield "## Caustics with a closed form"
+    yield ""
+    yield "Relative RMS error over the pixels that the closed form covers (`tests/analytic`),"
+    yield "and the error of the mean at the last number of passes. Photons are those of a pass."
+    yield ""
+    yield (
+        "| caustic | closed form | photons | "
+        + " | ".join(f"{n}" for n in PASSES)
+        + " | mean |"
+    )
+    yield "|---" * (4 + len(PASSES)) + "|"
+    rows: dict[str, Sequence[Any]] = {}
+    for case in CASES:
+        results = rows[case.name] = table(case, PASSES)
+        cells = " | ".join(f"{r.error:.4f}" for r in results)
+        photons = results[-1].photons // results[-1].passes
+        mean = f"{100 * results[-1].mean_error:+.2f} %"
+        yield f"| {case.name} | {case.law} | {photons} | {cells} | {mean} |"
+    pictures.errors(rows, folder / "caustics.png")
+    yield ""
+    yield f"![error against photons]({folder.name}/caustics.png)"
+    yield ""
+    for name, results in rows.items():
+        file = f"caustic_{name.replace(' ', '_')}.png"
+        pictures.pair(results[-1], name, folder / file)
+        yield f"![{name}]({folder.name}/{file})"
+        yield ""
+
+
+def convergence(folder: Path) -> Iterator[str]:
+    """Slope of the mean squared error of each layer over passes."""
+    from photon_map.tests.convergence.slopes import LAYERS, measure
+
+    yield "## Convergence"
+    yield ""
+    yield "Slope of log MSE over log passes, with its confidence interval. Progressive photon"
+    yield "mapping with alpha = 2/3 makes the caustic layer's error shrink like passes^(-2/3)"
+    yield "(Knaus and Zwicker 2011), plain averaging the others' like 1/passes."
+    yield ""
+    yield "| layer | slope | interval | wanted | state |"
+    yield "|---|---|---|---|---|"
+    rows = [measure(layer) for layer in LAYERS]
+    for row in rows:
+        low, high = CAUSTIC_SLOPES if row.layer == "caustics" else OTHER_SLOPES
+        state = "pass" if low <= row.slope <= high else "**FAILED**"
+        yield (
+            f"| {row.layer} | {row.slope:.3f} | {row.low:.3f} to {row.high:.3f} "
+            f"| {low:.2f} to {high:.2f} | {state} |"
+        )
+    pictures.slopes(rows, folder / "convergence.png")
+    yield ""
+    yield f"![mean squared error over passes]({folder.name}/convergence.png)"
+    yield ""
+
+
+def stability() -> Iterator[str]:
+    """Outcome of every row of the stability suite."""
+    yield "## Hard cases"
+    yield ""
+    yield "Every test of `tests/stability`: what it holds is in its name and its file."
+    yield ""
+    yield "| file | case | state |"
+    yield "|---|---|---|"
+    for file, case, state in stability_rows():
+        yield f"| {file} | {case.replace('|', ' or ')} | {state} |"
+    yield ""
+
+
+def stability_rows() -> list[tuple[str, str, str]]:
+    """File, case and state of each test, from a run of pytest."""
+    with tempfile.TemporaryDirectory() as folder:
+        report = Path(folder) / "report.xml"
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+        command += [f"--junitxml={report}", "tests/stability"]
+        subprocess.run(
+            command, cwd=ROOT, env=dict(os.environ), timeout=STABILITY_TIMEOUT,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        cases = list(ElementTree.parse(report).iter("testcase"))
+    rows = []
+    for case in cases:
+        bad = [child.tag for child in case if child.tag in ("failure", "error", "skipped")]
+        name = case.get("name", "").removeprefix("test_").replace("_", " ")
+        file = case.get("classname", "").rpartition(".")[2].removeprefix("test_")
+        state = {"failure": "**FAILED**", "error": "**ERROR**", "skipped": "**skipped**"}
+        rows.append((file, name, state[bad[0]] if bad else "pass"))
+    return rows
