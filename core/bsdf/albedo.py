@@ -10,6 +10,7 @@ long tail of GGX, which holds what narrow lobes lose.
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,8 +56,9 @@ def no_albedo_tables() -> AlbedoTables:
     return AlbedoTables(ones[0, 0], ones[0, 0, 0], 0.0 * ones, ones, ones[0], ones[0])
 
 
+@cache
 def albedo_tables() -> AlbedoTables:
-    """All tables; about half a second of work."""
+    """All tables, the same for every scene; about 0.2 s of work at the first call."""
     ggx = np.zeros((_FINE, _FINE))
     rise = np.zeros((2, _COARSE, _COARSE, _COARSE))
     glass = np.zeros((2, _COARSE, _COARSE, _COARSE))

@@ -24,6 +24,8 @@ from .lobe import (
     F82,
     GGX,
     GGX_DIELECTRIC,
+    LEAST_ALPHA,
+    LEAST_STEP,
     NO_FRESNEL,
     OREN_NAYAR,
     SCHLICK,
@@ -117,7 +119,7 @@ def _compensated(
     tables: Row, alpha: float, cosine: float, mean_fresnel: Vector, multi: bool
 ) -> Vector:
     """Factor per channel for the bounces between facets, 1 without them."""
-    if not multi:
+    if not multi or alpha < LEAST_ALPHA:
         return _WHITE
     return (
         multiscatter(tables, alpha, cosine, min(1.0, mean_fresnel[0])),
@@ -222,7 +224,7 @@ def _compensated_glass(
     tables: Row, alpha: float, eta: float, cosine: float, kept: Vector, multi: bool
 ) -> Vector:
     """As ``_compensated``, for glass whose facets keep ``kept`` of what meets them."""
-    if not multi:
+    if not multi or alpha < LEAST_ALPHA or abs(eta - 1.0) < LEAST_STEP:
         return _WHITE
     return (
         multiscatter_glass(tables, alpha, cosine, eta, kept[0]),

@@ -30,14 +30,6 @@ from .lobe import (
     transmits,
 )
 
-# Until the callers have moved to the parts:
-from .whole import eval_nonspecular as eval_nonspecular
-from .whole import is_specular as is_specular
-from .whole import pdf_nonspecular as pdf_nonspecular
-from .whole import sample_nonspecular as sample_nonspecular
-from .whole import sample_specular as sample_specular
-from .whole import whole_weights as whole_weights
-
 WIDE = 0
 NARROW = 1
 _BLACK = (0.0, 0.0, 0.0)

@@ -3,78 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .camera_data import CameraData
+from .closures import lets_pass, medium_of
 from .image_tables import ImageTables, stacked_uvs
 from .light_builder import LightBuilder, rgb
+from .lobes import Lobe as Lobe
+from .lobes import dielectric as dielectric
+from .lobes import diffuse as diffuse
+from .lobes import lobe_row
+from .lobes import mirror as mirror
+from .lobes import phong as phong
+from .lobes import refraction as refraction
+from .lobes import translucent as translucent
+from .lobes import transparent as transparent
 from .scene import Scene, SceneError
 from .tables import (
     CLOSURE,
     LOBE,
     MATERIAL,
-    Fresnel,
     Model,
     Visibility,
 )
-
-
-@dataclass(frozen=True)
-class Lobe:
-    """One scattering lobe of a material; ``weight`` is its albedo per channel."""
-
-    model: Model
-    weight: tuple[float, float, float]
-    ior: float = 0.0
-    exponent: float = 0.0
-    roughness: float = 0.0
-    fresnel: Fresnel = Fresnel.NONE
-    f0: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    f90: tuple[float, float, float] = (1.0, 1.0, 1.0)
-
-    def scaled(self, factor: float | Sequence[float]) -> Lobe:
-        """The same lobe with its weight times ``factor`` (number or (3,))."""
-        weight = np.asarray(self.weight) * np.asarray(factor)
-        return replace(self, weight=(float(weight[0]), float(weight[1]), float(weight[2])))
-
-
-def diffuse(color: ArrayLike) -> Lobe:
-    """Lambertian reflection of albedo ``color`` (number or (3,))."""
-    return Lobe(Model.DIFFUSE, rgb(color))
-
-
-def phong(color: ArrayLike, exponent: float) -> Lobe:
-    """Energy-normalised Phong lobe around the mirror direction."""
-    return Lobe(Model.PHONG, rgb(color), exponent=float(exponent))
-
-
-def mirror(color: ArrayLike = 1.0) -> Lobe:
-    """Smooth conductor of constant reflectivity ``color``."""
-    return Lobe(Model.CONDUCTOR, rgb(color))
-
-
-def dielectric(ior: float, color: ArrayLike = 1.0) -> Lobe:
-    """Smooth dielectric with Fresnel reflection and refraction, tinted by ``color``."""
-    return Lobe(Model.DIELECTRIC, rgb(color), ior=float(ior))
-
-
-def refraction(ior: float, color: ArrayLike = 1.0) -> Lobe:
-    """Refraction alone: no Fresnel weight, black at total internal reflection."""
-    return Lobe(Model.REFRACTION, rgb(color), ior=float(ior))
-
-
-def transparent(color: ArrayLike = 1.0) -> Lobe:
-    """Light goes straight through, tinted by ``color``."""
-    return Lobe(Model.TRANSPARENT, rgb(color))
-
-
-def translucent(color: ArrayLike) -> Lobe:
-    """Lambertian transmission to the other side."""
-    return Lobe(Model.TRANSLUCENT, rgb(color))
 
 
 class SceneBuilder(LightBuilder):
@@ -118,10 +72,11 @@ class SceneBuilder(LightBuilder):
         It is made of ``lobes``, or of ``closures`` (rows of ``tables.CLOSURE``) that are
         resolved at each hit. ``others``: more fields of ``tables.MATERIAL``, such as
         ``absorption``, ``priority``, or ``ior`` of the medium behind the surface (without
-        it the index of the first refracting lobe).
+        it the index of the first refracting lobe or closure).
         """
         row = np.zeros((), MATERIAL)
         iors = [b.ior for b in lobes if b.model in (Model.DIELECTRIC, Model.REFRACTION)]
+        iors += [medium_of(c) for c in closures if medium_of(c) > 0.0]
         values: dict[str, Any] = {
             "lobe_start": len(self._lobes),
             "lobe_count": len(lobes),
@@ -129,14 +84,15 @@ class SceneBuilder(LightBuilder):
             "closure_count": len(closures),
             "emission": rgb(emission),
             "ior": iors[0] if iors else 0.0,
-            "passes": any(b.model == Model.TRANSPARENT for b in lobes),
+            "passes": any(b.model == Model.TRANSPARENT for b in lobes)
+            or any(lets_pass(c) for c in closures),
             "normal_texture": -1,
             "bump_texture": -1,
             **others,
         }
         for field_name, value in values.items():
             row[field_name] = value
-        self._lobes += [_lobe_row(b) for b in lobes]
+        self._lobes += [lobe_row(b) for b in lobes]
         self._closures += list(closures)
         self._materials.append(row)
         self._material_names.append(name)
@@ -214,26 +170,6 @@ class SceneBuilder(LightBuilder):
             material_names=tuple(self._material_names),
             **others,
         )
-
-
-def _lobe_row(lobe: Lobe) -> tuple:
-    # Black to every eye, and denormal numbers would divide to NaN: 0 is what it means.
-    weight = tuple(w if abs(w) >= 1e-30 else 0.0 for w in lobe.weight)
-    return (
-        int(lobe.model), int(lobe.fresnel), weight, _share(lobe), lobe.ior,
-        lobe.exponent, lobe.roughness, lobe.ior, lobe.f0, lobe.f90,
-    )  # fmt: skip
-
-
-def _share(lobe: Lobe) -> float:
-    """Estimate of what a lobe reflects: Fresnel at normal incidence, and some for grazing."""
-    weight = np.asarray(lobe.weight)
-    if lobe.model != Model.GGX or lobe.fresnel == Fresnel.NONE:
-        return float(weight.mean())
-    f0 = np.asarray(lobe.f0)
-    if lobe.fresnel == Fresnel.DIELECTRIC:
-        f0 = np.full(3, ((lobe.ior - 1) / (lobe.ior + 1)) ** 2)
-    return float((weight * (f0 + (1 - f0) / 21)).mean())
 
 
 def _stack(parts: list, empty: tuple[int, ...], dtype: type) -> NDArray:

@@ -66,6 +66,49 @@ def closure(kind: ClosureKind, factors: Sequence[np.void] = (), **values: Any) -
     return row[()]
 
 
+def glossy(color: ArrayLike, roughness: float, multiscatter: bool = True) -> Any:
+    """A rough mirror, as Blender's Glossy node."""
+    return closure(
+        ClosureKind.GLOSSY, color=color, roughness=roughness, distribution=int(multiscatter)
+    )
+
+
+def rough_glass(
+    ior: float, roughness: float, color: ArrayLike = 1.0, multiscatter: bool = True
+) -> Any:
+    """Rough glass, as Blender's Glass node."""
+    return closure(
+        ClosureKind.GLASS, color=color, roughness=roughness, ior=ior,
+        distribution=int(multiscatter),
+    )  # fmt: skip
+
+
+def sheen(color: ArrayLike, roughness: float) -> Any:
+    """A layer of fibres, as Blender's Sheen node."""
+    return closure(ClosureKind.SHEEN, color=color, roughness=roughness)
+
+
+def principled(multiscatter: bool = True, **values: Any) -> Any:
+    """Blender's Principled node with the given fields of ``tables.CLOSURE``."""
+    return closure(ClosureKind.PRINCIPLED, distribution=int(multiscatter), **values)
+
+
+def medium_of(row: Any) -> float:
+    """Index of the medium behind a surface of this closure, 0 when light does not get in."""
+    refracts = row["kind"] in (ClosureKind.GLASS, ClosureKind.REFRACTION)
+    if row["kind"] == ClosureKind.PRINCIPLED:
+        through = row["transmission"]
+        refracts = through["value"][0] > 0.0
+    return float(row["ior"]) if refracts else 0.0
+
+
+def lets_pass(row: Any) -> bool:
+    """Whether some ray may go straight through this closure."""
+    if row["kind"] == ClosureKind.PRINCIPLED:
+        return bool(row["alpha"]["texture"] >= 0 or row["alpha"]["value"][0] < 1.0)
+    return bool(row["kind"] == ClosureKind.TRANSPARENT)
+
+
 def _param_of(value: Any) -> Any:
     if isinstance(value, np.void):
         return value

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from photon_map.core.bsdf.dispatch import sample_specular
+from photon_map.core.bsdf.dispatch import NARROW, sample_part
 from photon_map.core.scene.builder import (
     SceneBuilder,
     dielectric,
@@ -30,7 +30,11 @@ def tables(lobes):
 
 def events(lobes, numbers, entering=True, around=1.0, wo=WO):
     material, rows = tables(lobes)
-    return [sample_specular(material, rows, UP, wo, entering, around, *u) for u in numbers]
+    drawn = [
+        sample_part(material, rows, UP, wo, entering, around, NARROW, *u, 0.5) for u in numbers
+    ]
+    assert all(event[3] == 0.0 for event in drawn), "a delta has no density"
+    return [event[:3] + event[4:] for event in drawn]
 
 
 def test_mean_weight_of_a_mixture_is_the_sum_of_its_lobes(rng):
