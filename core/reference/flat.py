@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.scene import Scene
+from .nodes import plain_tables
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -70,11 +71,12 @@ def flatten(scene: Scene) -> Flat:
     share = (strength * twice_area / 2)[emitter]
     if len(emitter):
         faces["density"][emitter] = strength[emitter] / share.sum()
+    materials, lobes = plain_tables(scene)
     return Flat(
         faces=faces,
         groups=_groups(corners),
-        materials=scene.materials,
-        lobes=scene.lobes,
+        materials=materials,
+        lobes=lobes,
         lamps=scene.lights,
         emitter=emitter.astype(np.int64),
         emitter_cdf=np.cumsum(share) / share.sum() if len(emitter) else np.zeros(0),

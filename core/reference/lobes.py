@@ -1,4 +1,7 @@
-"""Choice between a material's lobes, and its non-specular ones: Lambert and Phong."""
+"""Choice between a material's lobes, and those of them that scatter into all directions.
+
+Rough glass is not among them: its facets are drawn one by one, like mirrors.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,17 @@ import math
 
 from ..jit import allocating_kernel as kernel
 from ..scene.tables import Model
+from .facets import eval_facets, eval_rough_diffuse, pdf_facets, sample_normal
 from .flat import Flat
 from .optics import mirrored
-from .vector import TWO_PI, Stream, Vec, dot, sample_cosine_power, uniform
+from .vector import TWO_PI, Stream, Vec, dot, sample_cosine_power, scaled, uniform
 
 _DIFFUSE, _PHONG = int(Model.DIFFUSE), int(Model.PHONG)
+_OREN_NAYAR, _GGX = int(Model.OREN_NAYAR), int(Model.GGX)
+_TRANSLUCENT = int(Model.TRANSLUCENT)
+
+#: Facets of less slope than this make a mirror.
+LEAST_ALPHA = 1e-4
 
 #: What ``choose`` answers for the non-specular lobes taken together.
 SPLIT_DIFFUSE = -1
@@ -23,7 +32,10 @@ def _strength(s: Flat, lobe: int) -> float:
 
 @kernel
 def _is_diffuse(s: Flat, lobe: int) -> bool:
-    return s.lobes[lobe].model == _DIFFUSE or s.lobes[lobe].model == _PHONG
+    model = s.lobes[lobe].model
+    if model == _GGX:
+        return s.lobes[lobe].roughness >= LEAST_ALPHA
+    return model == _DIFFUSE or model == _PHONG or model == _OREN_NAYAR or model == _TRANSLUCENT
 
 
 @kernel
@@ -61,20 +73,32 @@ def choose(s: Flat, material: int, u: float) -> tuple[int, float]:
 
 @kernel
 def eval_diffuse(s: Flat, material: int, d: Vec, ns: Vec, wi: Vec) -> Vec:
-    """Sum of the non-specular lobes' BSDFs [1/sr]; ``d`` arrives, both sides alike."""
+    """Sum of the non-specular lobes' BSDFs [1/sr]; ``d`` arrives."""
     first, stop = lobes_of(s, material)
     r, g, b = 0.0, 0.0, 0.0
+    above = dot(wi, ns) > 0.0
     cos_alpha = max(0.0, dot(mirrored(d, ns), wi))
     for lobe in range(first, stop):
-        if not _is_diffuse(s, lobe):
+        model = s.lobes[lobe].model
+        if not _is_diffuse(s, lobe) or above == (model == _TRANSLUCENT):
             continue
         value = 1.0 / math.pi
-        if s.lobes[lobe].model == _PHONG:
+        f = (value, value, value)
+        if model == _PHONG:
             n = s.lobes[lobe].exponent
             value = (n + 2.0) / TWO_PI * cos_alpha**n
-        r += value * s.lobes[lobe].weight[0]
-        g += value * s.lobes[lobe].weight[1]
-        b += value * s.lobes[lobe].weight[2]
+            f = (value, value, value)
+        elif model == _GGX:
+            f = eval_facets(s.lobes[lobe], d, ns, wi)
+        elif model == _OREN_NAYAR:
+            f = (
+                eval_rough_diffuse(s.lobes[lobe], d, ns, wi, 0),
+                eval_rough_diffuse(s.lobes[lobe], d, ns, wi, 1),
+                eval_rough_diffuse(s.lobes[lobe], d, ns, wi, 2),
+            )
+        r += f[0] * s.lobes[lobe].weight[0]
+        g += f[1] * s.lobes[lobe].weight[1]
+        b += f[2] * s.lobes[lobe].weight[2]
     return r, g, b
 
 
@@ -92,6 +116,10 @@ def pdf_diffuse(s: Flat, material: int, d: Vec, ns: Vec, wi: Vec) -> float:
         if s.lobes[lobe].model == _PHONG:
             n = s.lobes[lobe].exponent
             density += share * (n + 1.0) / TWO_PI * cos_alpha**n
+        elif s.lobes[lobe].model == _GGX:
+            density += share * pdf_facets(s.lobes[lobe], d, ns, wi)
+        elif s.lobes[lobe].model == _TRANSLUCENT:
+            density += share * max(0.0, -dot(wi, ns)) / math.pi
         else:
             density += share * max(0.0, dot(wi, ns)) / math.pi
     return density / total if total > 0.0 else 0.0
@@ -116,4 +144,8 @@ def sample_diffuse(s: Flat, material: int, d: Vec, ns: Vec, stream: Stream) -> V
     u, v = uniform(stream), uniform(stream)
     if s.lobes[chosen].model == _PHONG:
         return sample_cosine_power(mirrored(d, ns), s.lobes[chosen].exponent, u, v)
+    if s.lobes[chosen].model == _GGX:
+        return mirrored(d, sample_normal(ns, s.lobes[chosen].roughness, u, v))
+    if s.lobes[chosen].model == _TRANSLUCENT:
+        return sample_cosine_power(scaled(ns, -1.0), 1.0, u, v)
     return sample_cosine_power(ns, 1.0, u, v)

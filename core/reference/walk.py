@@ -100,13 +100,14 @@ def walk(
             _light_sampling(s, p, d, ng, ns, material, face, scaled(beta, scale),
                             _layer(diffuse, 0), stream, light)  # fmt: skip
             wi = sample_diffuse(s, material, d, ns, stream)
-            if dot(wi, ng) <= 0.0 or dot(wi, ns) <= 0.0:
-                return
             pdf = pdf_diffuse(s, material, d, ns, wi)
-            beta = times(beta, scaled(eval_diffuse(s, material, d, ns, wi), dot(wi, ns) / pdf))
+            if dot(wi, ng) * dot(wi, ns) <= 0.0 or pdf <= 0.0:
+                return
+            cosine = abs(dot(wi, ns))
+            beta = times(beta, scaled(eval_diffuse(s, material, d, ns, wi), cosine / pdf))
             d = wi
         else:
-            event, d, factor = scatter_specular(
+            event, d, factor, tint = scatter_specular(
                 s, lobe, material, d, ng, ns, entering, stack, scratch, stream
             )
             if event == PASSED:
@@ -115,7 +116,7 @@ def walk(
                 ray_kind = _GLOSSY
             else:
                 return
-            beta = times(beta, vec(s.lobes[lobe].weight))
+            beta = times(beta, times(tint, vec(s.lobes[lobe].weight)))
             chain += 1
         o, skip = p, face
 
@@ -130,8 +131,8 @@ def _light_sampling(
         if not s.lamps[lamp].visibility & _DIFFUSE:
             continue
         wi, distance, radiance = sample_lamp(s, lamp, p, stream)
-        cosine = dot(wi, ns)
-        if distance <= 0.0 or cosine <= 0.0 or dot(wi, ng) <= 0.0:
+        cosine = abs(dot(wi, ns))
+        if distance <= 0.0 or dot(wi, ns) * dot(wi, ng) <= 0.0:
             continue
         if radiance[0] + radiance[1] + radiance[2] <= 0.0:
             continue
@@ -151,8 +152,8 @@ def _light_sampling(
         return
     distance = math.sqrt(square)
     wi = scaled(to_light, 1.0 / distance)
-    cosine, cos_light = dot(wi, ns), abs(dot(wi, vec(s.faces[target].normal)))
-    if cosine <= 0.0 or dot(wi, ng) <= 0.0 or cos_light <= 0.0:
+    cosine, cos_light = abs(dot(wi, ns)), abs(dot(wi, vec(s.faces[target].normal)))
+    if dot(wi, ns) * dot(wi, ng) <= 0.0 or cos_light <= 0.0:
         return
     if not blocked(s, p, wi, face, target, distance):
         density = s.faces[target].density * square / cos_light

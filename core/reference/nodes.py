@@ -1,0 +1,71 @@
+"""Constant shader nodes as lobes, for the reference: only what needs no layers and tables."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.scene import Scene, SceneError
+from ..scene.tables import LOBE, ClosureKind, Model
+
+_MODELS = (
+    (ClosureKind.DIFFUSE, Model.DIFFUSE),
+    (ClosureKind.GLOSSY, Model.GGX),
+    (ClosureKind.GLASS, Model.GGX_DIELECTRIC),
+    (ClosureKind.REFRACTION, Model.GGX_REFRACTION),
+    (ClosureKind.TRANSPARENT, Model.TRANSPARENT),
+    (ClosureKind.TRANSLUCENT, Model.TRANSLUCENT),
+)
+_BETWEEN_FACETS = (ClosureKind.GLOSSY, ClosureKind.GLASS)
+
+
+def plain_tables(scene: Scene) -> tuple[NDArray[np.void], NDArray[np.void]]:
+    """Materials and lobes of ``scene`` with every closure turned into a lobe.
+
+    Raises ``SceneError`` for what the reference does not know: textures, layered nodes, and
+    the bounces between facets.
+    """
+    if not len(scene.closures):
+        return scene.materials, scene.lobes
+    materials, lobes = scene.materials.copy(), [scene.lobes]
+    count = len(scene.lobes)
+    for material in materials:
+        start, some = int(material["closure_start"]), int(material["closure_count"])
+        if not some:
+            continue
+        made = [_lobe(c) for c in scene.closures[start : start + some]]
+        rows = np.array([row for row in made if row is not None], LOBE)
+        material["lobe_start"], material["lobe_count"] = count, len(rows)
+        count += len(rows)
+        lobes.append(rows)
+    return materials, np.concatenate(lobes)
+
+
+def _lobe(closure: np.void) -> Any:
+    kind = ClosureKind(closure["kind"])
+    if kind == ClosureKind.EMISSION:
+        return None
+    model = dict(_MODELS).get(kind)
+    used = [closure["color"], closure["roughness"]]
+    used += [f["param"] for f in closure["factors"][: closure["factor_count"]]]
+    if model is None or any(p["texture"] >= 0 for p in used):
+        raise SceneError(f"the reference renders no {kind.name} shader with these inputs")
+    if kind in _BETWEEN_FACETS and closure["distribution"] == 1:
+        raise SceneError("the reference has no light between facets: set distribution to 0")
+    share = 1.0
+    for given in closure["factors"][: closure["factor_count"]]:
+        value = float(given["param"]["value"][0])
+        share *= 1.0 - value if given["invert"] else value
+    row = np.zeros((), LOBE)
+    roughness = float(closure["roughness"]["value"][0])
+    if model == Model.DIFFUSE and roughness >= 1e-5:
+        model = Model.OREN_NAYAR
+        row["f0"] = np.clip(closure["color"]["value"], 0.0, 1.0)
+    row["model"] = int(model)
+    row["weight"] = share * closure["color"]["value"]
+    row["roughness"] = roughness if model == Model.OREN_NAYAR else roughness**2
+    row["ior"] = row["eta"] = closure["ior"]
+    row["f90"] = 1.0
+    return row[()]
