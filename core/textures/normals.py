@@ -174,7 +174,9 @@ def shading_normal(
     a = read(mesh.vertices, mesh.faces[face, 0])
     e1 = subtract(read(mesh.vertices, mesh.faces[face, 1]), a)
     e2 = subtract(read(mesh.vertices, mesh.faces[face, 2]), a)
-    n = ns
+    # Maps belong to the side that the winding calls outside; the back is its reverse.
+    side = 1.0 if dot(cross(e1, e2), ng) > 0.0 else -1.0
+    n = scale(ns, side)
     if material.normal_texture >= 0:
         layer = shading.textures[material.normal_texture].uv
         s, t = uv_at(shading.uvs, layer, face, u, v)
@@ -186,10 +188,8 @@ def shading_normal(
             (2.0 * g - 1.0) * strength,
             flat + (1.0 - flat) * (2.0 * b - 1.0),
         )
-        # The map belongs to the side that the winding calls outside.
-        side = 1.0 if dot(cross(e1, e2), ng) > 0.0 else -1.0
         uv = _uv_edges(shading.uvs, layer, face)
-        n = scale(mapped_normal(scale(n, side), e1, e2, uv, local), side)
+        n = mapped_normal(n, e1, e2, uv, local)
     if material.bump_texture >= 0:
         layer = shading.textures[material.bump_texture].uv
         at = uv_at(shading.uvs, layer, face, u, v)
@@ -197,6 +197,7 @@ def shading_normal(
         h1, h2 = _height_slope(shading, material.bump_texture, at, uv)
         strength = max(0.0, material.bump_strength)
         n = bumped_normal(n, e1, e2, h1, h2, material.bump_distance, strength)
+    n = scale(n, side)
     if _only_diffuse(shading, material) and dot(n, ng) > 0.0 and dot(ng, wo) > _LEAST_SINE:
         return facing(n, wo)
     return within_hemisphere(ng, n, wo)
