@@ -1,0 +1,139 @@
+"""How fast each layer converges: its mean squared error against passes.
+
+All runs of a layer share a scene and differ in the seed. The error at n passes has two
+parts: the variance over seeds, and the squared bias of their mean against the truth. The
+slope is fitted to the logarithms over the number of passes; its interval comes from the
+seeds (jackknife).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from photon_map.core import Settings, render
+from photon_map.core.scene.builder import SceneBuilder, diffuse
+from photon_map.core.scene.scene import Scene
+from photon_map.tests import scenes
+from photon_map.tests.analytic.cases import slab
+
+Image = NDArray[np.float64]
+PASSES = (4, 8, 16, 32, 64, 128, 256)
+
+
+class Slope(NamedTuple):
+    """d log(MSE) / d log(passes) with a 99 % interval, and what it was fitted to.
+
+    ``mse``, ``variance`` and ``bias2`` (squared bias, its own noise taken off) per number
+    of ``passes``, relative to the mean square of the truth; ``last`` is the slope over the
+    last three.
+    """
+
+    layer: str
+    slope: float
+    low: float
+    high: float
+    last: float
+    passes: tuple[int, ...]
+    mse: Image
+    variance: Image
+    bias2: Image
+
+
+def caustics(size: int = 12) -> tuple[Scene, Image]:
+    """A lamp over a pane of glass: smooth light, known in closed form."""
+    return slab(size)
+
+
+def emission(size: int = 12) -> tuple[Scene, Image]:
+    """Glowing tiles finer than a pixel: about half of each pixel shines."""
+    b = SceneBuilder("tiles")
+    glow, dark = b.add_material("glow", [], emission=2.0), b.add_material("dark", [])
+    steps = np.linspace(-1, 1, 3 * size + 1)
+    for i in range(3 * size):
+        for j in range(3 * size):
+            x, y, x1, y1 = steps[j], steps[i], steps[j + 1], steps[i + 1]
+            tile = scenes.quad((x, y, 0), (x1, y, 0), (x1, y1, 0), (x, y1, 0))
+            b.add_mesh(f"{i} {j}", *tile, glow if (i + j) % 2 else dark)
+    fov = 2 * np.arctan(1 / 3)
+    b.set_camera(scenes.camera((0, 0, 3), (0, 0, 0), size, size, up=(0, 1, 0), fov=fov))
+    odd = np.add.outer(np.arange(3 * size), np.arange(3 * size)) % 2
+    return b.build(), 2.0 * odd.reshape(size, 3, size, 3).mean(axis=(1, 3))
+
+
+def direct(size: int = 12) -> tuple[Scene, Image]:
+    """A large ball lamp over a floor: E = I cos / r^2 all the same."""
+    b = scenes.floor_scene([diffuse(0.8)], size=size, height=3.0)
+    b.add_point_light("lamp", (0.3, -0.2, 1.5), 5.0, 0.7)
+    scene = b.build()
+
+    def radiance(x: Image, y: Image) -> Image:
+        return 0.8 / np.pi * 5.0 * 1.5 / ((x - 0.3) ** 2 + (y + 0.2) ** 2 + 2.25) ** 1.5
+
+    return scene, scenes.floor_mean(scene, radiance)
+
+
+def indirect(size: int = 8) -> tuple[Scene, Image]:
+    """A lamp in the middle of a ball: a^2 I / (pi (1 - a)) everywhere, no edges."""
+    scene = scenes.closed_sphere(0.5, np.pi, size)
+    return scene, np.full((size, size), 0.5)
+
+
+#: What is rendered for each layer.
+LAYERS: dict[str, Callable[[], tuple[Scene, Image]]] = {
+    "emission": emission, "direct": direct, "caustics": caustics, "indirect": indirect,
+}  # fmt: skip
+_OPTIONS: dict[str, dict[str, Any]] = {
+    "emission": {"photons_global": 0, "photons_caustic": 0},
+    "direct": {"photons_global": 0, "photons_caustic": 0},
+    "caustics": {"photons_global": 0, "photons_caustic": 8192},
+    "indirect": {"photons_global": 8192, "photons_caustic": 0},
+}
+
+
+def snapshots(
+    scene: Scene, layer: str, passes: Sequence[int], seed: int, **options: Any
+) -> Image:
+    """The layer (len(passes), h, w) after each number of passes of one render."""
+    chosen = {"pixel_filter": "BOX", "filter_width": 1.0, "threads": 2, **options}
+    out = []
+    for count in passes:
+        film = list(render(scene, Settings(passes=count, seed=seed, **chosen)))[-1].film
+        assert film.statistics.non_finite == 0
+        out.append(film.resolve(layer).mean(axis=2, dtype=np.float64))
+    return np.array(out)
+
+
+def fit(passes: Sequence[int], mse: Image) -> float:
+    """Least-squares slope of log(mse) over log(passes)."""
+    return float(np.polyfit(np.log(passes), np.log(mse), 1)[0])
+
+
+def slope_of(layer: str, runs: Image, truth: Image, passes: Sequence[int]) -> Slope:
+    """The slope of ``runs`` (seeds, passes, h, w) against ``truth`` (h, w)."""
+    seeds = len(runs)
+    scale = (truth**2).mean()
+    square = ((runs - truth) ** 2).mean(axis=(2, 3)) / scale
+    variance = runs.var(axis=0, ddof=1).mean(axis=(1, 2)) / scale
+    bias2 = ((runs.mean(axis=0) - truth) ** 2).mean(axis=(1, 2)) / scale - variance / seeds
+    slope = fit(passes, square.mean(axis=0))
+    left_out = [fit(passes, np.delete(square, k, axis=0).mean(axis=0)) for k in range(seeds)]
+    error = np.sqrt((seeds - 1) * np.var(left_out))
+    reach = float(stats.t.ppf(0.995, seeds - 1) * error)
+    last = fit(passes[-3:], square.mean(axis=0)[-3:])
+    return Slope(layer, slope, slope - reach, slope + reach, last, tuple(passes),
+                 square.mean(axis=0), variance, bias2)  # fmt: skip
+
+
+def measure(
+    layer: str, seeds: int = 8, passes: Sequence[int] = PASSES, **options: Any
+) -> Slope:
+    """Render ``layer``'s scene with ``seeds`` seeds at each of ``passes`` and fit."""
+    scene, truth = LAYERS[layer]()
+    chosen = {**_OPTIONS[layer], **options}
+    runs = np.array([snapshots(scene, layer, passes, k, **chosen) for k in range(seeds)])
+    return slope_of(layer, runs, truth, passes)
