@@ -9,6 +9,7 @@ from ..geometry.vector import Vector, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR, pdf_emitter_hit, see_lamp, visibility_of
 from ..lights.selection import selection_probability
+from ..lights.tree import next_lamp
 from ..lights.world import pdf_world, world_radiance
 from ..scene.tables import Visibility
 
@@ -55,6 +56,31 @@ def _see_light(
 
 
 @kernel
+def _see_lamp(
+    path: Row,
+    sample: Row,
+    materials: Table,
+    lights: Row,
+    gather: bool,
+    entry: int,
+    reach: float,
+) -> None:
+    """A lamp whose shape the path may pass within ``reach``."""
+    lamp = lights.lamps[entry]
+    if (lamp.visibility & path.event) == 0:
+        return
+    if lamp.shadow == 0 and path.pdf_w > 0.0:
+        return
+    t, radiance, pdf_w = see_lamp(lamp, vector(path.origin), vector(path.direction))
+    if path.event == _CAMERA_BIT and path.reach < t and t < FAR:
+        return
+    if t > path.since and t <= reach:
+        left = transmittance(materials, current_medium(materials, path), t - path.since)
+        light = (radiance[0] * left[0], radiance[1] * left[1], radiance[2] * left[2])
+        _see_light(path, sample, lights, gather, entry, light, pdf_w)
+
+
+@kernel
 def see_lamps(
     path: Row, sample: Row, materials: Table, lights: Row, gather: bool, reach: float
 ) -> None:
@@ -64,21 +90,14 @@ def see_lamps(
     """
     o = vector(path.origin)
     d = vector(path.direction)
-    for j in range(len(lights.shaped)):
-        entry = lights.shaped[j]
-        lamp = lights.lamps[entry]
-        if (lamp.visibility & path.event) == 0:
-            continue
-        if lamp.shadow == 0 and path.pdf_w > 0.0:
-            continue
-        t, radiance, pdf_w = see_lamp(lamp, o, d)
-        if path.event == _CAMERA_BIT and path.reach < t and t < FAR:
-            continue
-        # A lamp may lie in the plane of the face that the ray hits.
-        if t > path.since and t <= reach * (1.0 + 4.0 * OFFSET):
-            left = transmittance(materials, current_medium(materials, path), t - path.since)
-            light = (radiance[0] * left[0], radiance[1] * left[1], radiance[2] * left[2])
-            _see_light(path, sample, lights, gather, entry, light, pdf_w)
+    # A lamp may lie in the plane of the face that the ray hits.
+    reach *= 1.0 + 4.0 * OFFSET
+    for j in range(len(lights.suns)):
+        _see_lamp(path, sample, materials, lights, gather, lights.suns[j], reach)
+    entry, node = next_lamp(lights.tree, 0, o, d, reach)
+    while entry >= 0:
+        _see_lamp(path, sample, materials, lights, gather, entry, reach)
+        entry, node = next_lamp(lights.tree, node, o, d, reach)
 
 
 @kernel

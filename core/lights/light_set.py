@@ -16,6 +16,8 @@ from ..sampling.distributions import cumulative
 from ..scene.scene import Scene
 from ..scene.tables import LightKind
 from .mesh import Emitters, emitters_of
+from .selection import FEW
+from .tree import LightTree, light_tree
 from .world import World, world_of
 
 #: Least share of the photons that a light with power gets, relative to an equal share.
@@ -30,7 +32,8 @@ class LightSet(NamedTuple):
     radius: bounding radius of the scene; place (N+2, 3) and size (N+2,): about where and
     how large; strength (N+2,): mean irradiance at 1 m (distant ones: anywhere), 0 = off;
     distant (N+2,) bool; power (N+2,): mean emitted flux [W]; photon_cdf (N+2,);
-    shaped: lamps whose shape rays can hit.
+    tree: the local lamps; choices: entries that are weighed one by one (``selection``);
+    suns: lamps without a place whose shape rays can hit.
     """
 
     lamps: NDArray[np.void]
@@ -43,7 +46,9 @@ class LightSet(NamedTuple):
     distant: NDArray[np.bool_]
     power: NDArray[np.float64]
     photon_cdf: NDArray[np.float64]
-    shaped: NDArray[np.int32]
+    tree: LightTree
+    choices: NDArray[np.int32]
+    suns: NDArray[np.int32]
 
 
 def light_set(scene: Scene, mesh: Mesh, centre: Centre) -> LightSet:
@@ -85,18 +90,20 @@ def light_set(scene: Scene, mesh: Mesh, centre: Centre) -> LightSet:
     distant[count + 1] = True
     strength[count + 1] = world.mean * math.pi
     power[count + 1] = world.mean * 4 * math.pi * disc
+    tree = light_tree(lamps, strength)
+    discs = (lamps["kind"] == LightKind.SUN) & (lamps["angle"] > 0)
+    suns = np.flatnonzero(discs).astype(np.int32)
     return LightSet(
         lamps, emitters, world, centre.radius, place, size, strength,
-        distant, power, photon_shares(power), shaped_lamps(lamps),
+        distant, power, photon_shares(power), tree, _choices(tree), suns,
     )  # fmt: skip
 
 
-def shaped_lamps(lamps: NDArray[np.void]) -> NDArray[np.int32]:
-    """Lamps (N,) that are not a point or a single direction."""
-    local = np.isin(lamps["kind"], (LightKind.POINT, LightKind.SPOT))
-    sun = lamps["kind"] == LightKind.SUN
-    delta = (local & (lamps["radius"] <= 0)) | (sun & (lamps["angle"] <= 0))
-    return np.flatnonzero(~delta).astype(np.int32)
+def _choices(tree: LightTree) -> NDArray[np.int32]:
+    """All entries, or of many lights those that are not in the ``tree``."""
+    if len(tree.leaf) <= FEW:
+        return np.arange(len(tree.leaf), dtype=np.int32)
+    return np.flatnonzero(tree.leaf < 0).astype(np.int32)
 
 
 def photon_shares(weight: NDArray[np.float64]) -> NDArray[np.float64]:
