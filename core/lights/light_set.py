@@ -90,13 +90,24 @@ def light_set(scene: Scene, mesh: Mesh, centre: Centre) -> LightSet:
     distant[count + 1] = True
     strength[count + 1] = world.mean * math.pi
     power[count + 1] = world.mean * 4 * math.pi * disc
-    tree = light_tree(lamps, strength)
+    local = np.flatnonzero((lamps["kind"] != LightKind.SUN) & (strength[:count] > 0))
+    tree = light_tree(lamps["position"], half_sizes(lamps), strength, local)
     discs = (lamps["kind"] == LightKind.SUN) & (lamps["angle"] > 0)
     suns = np.flatnonzero(discs).astype(np.int32)
     return LightSet(
         lamps, emitters, world, centre.radius, place, size, strength,
         distant, power, photon_shares(power), tree, _choices(tree), suns,
     )  # fmt: skip
+
+
+def half_sizes(lamps: NDArray[np.void]) -> NDArray[np.float64]:
+    """Half the extents (N, 3) of boxes around the lamps' shapes, a little wider."""
+    plates = np.isin(lamps["kind"], (LightKind.RECTANGLE, LightKind.DISK))
+    across = np.abs(lamps["axis_x"]) * lamps["size_x"][:, None]
+    across = 0.5 * (across + np.abs(lamps["axis_y"]) * lamps["size_y"][:, None])
+    half = np.where(plates[:, None], across, lamps["radius"][:, None])
+    reach = np.abs(lamps["position"]).max(axis=1, initial=0.0)[:, None]
+    return half * (1 + 1e-6) + 1e-6 * (reach + half.max(axis=1, initial=0.0)[:, None])
 
 
 def _choices(tree: LightTree) -> NDArray[np.int32]:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ..geometry.vector import Vector
 from ..jit import Row, kernel
-from ..scene.tables import LightKind
 
 #: Lamps in a cluster, at least; of many lamps it is the root of their number.
 CLUSTER = 16
@@ -42,21 +41,24 @@ class LightTree(NamedTuple):
     cluster: NDArray[np.int32]
 
 
-def light_tree(lamps: NDArray[np.void], strength: NDArray[np.float64]) -> LightTree:
-    """Cut the lamps (N,) in halves by place until each stands alone.
+def light_tree(
+    place: NDArray[np.float64],
+    half: NDArray[np.float64],
+    strength: NDArray[np.float64],
+    local: NDArray[np.intp],
+) -> LightTree:
+    """Cut lamps in halves by place until each stands alone.
 
-    ``strength`` (N + 2,) as in ``LightSet``.
+    ``place`` and ``half`` (N, 3): middles and half sizes of the boxes around the lamps;
+    ``strength`` (N + 2,) as in ``LightSet``; ``local``: the lamps to take.
     """
-    local = np.flatnonzero((lamps["kind"] != LightKind.SUN) & (strength[: len(lamps)] > 0))
     count = max(0, 2 * len(local) - 1)
-    half = _half_sizes(lamps)
     low, high = np.zeros((count, 3)), np.zeros((count, 3))
     total = np.zeros(count)
     skip = np.zeros(count, np.int32)
     entry, leaf = np.full(count, -1, np.int32), np.full(len(strength), -1, np.int32)
     clusters, cluster = [], leaf.copy()
     most = max(CLUSTER, int(len(local) ** 0.5))
-    place = lamps["position"]
     pending = [(local, False)] if count else []
     node = 0
     while pending:
@@ -79,16 +81,6 @@ def light_tree(lamps: NDArray[np.void], strength: NDArray[np.float64]) -> LightT
         node += 1
     nodes = np.array(clusters, np.int32)
     return LightTree(low, high, total, skip, entry, leaf, nodes, cluster)
-
-
-def _half_sizes(lamps: NDArray[np.void]) -> NDArray[np.float64]:
-    """Half the extents (N, 3) of boxes around the lamps' shapes, a little wider."""
-    plates = np.isin(lamps["kind"], (LightKind.RECTANGLE, LightKind.DISK))
-    across = np.abs(lamps["axis_x"]) * lamps["size_x"][:, None]
-    across = 0.5 * (across + np.abs(lamps["axis_y"]) * lamps["size_y"][:, None])
-    half = np.where(plates[:, None], across, lamps["radius"][:, None])
-    reach = np.abs(lamps["position"]).max(axis=1, initial=0.0)[:, None]
-    return half * (1 + 1e-6) + 1e-6 * (reach + half.max(axis=1, initial=0.0)[:, None])
 
 
 @kernel
