@@ -55,9 +55,9 @@ def section(runs: Sequence[Run], folder: Path) -> Iterator[str]:
         names = [name for name in cases if name in runs[0].verdicts]
         if not names:
             continue
-        sheet = f"parity_{group}.png"
+        sheet = f"parity_{group.split()[-1]}.png"
         pictures.contact_sheet(runs[0].folder, names, folder / sheet)
-        yield f"### {group.capitalize()}"
+        yield f"### {group[0].upper() + group[1:]}"
         yield ""
         yield f"![{group}: ours, Cycles, difference]({folder.name}/{sheet})"
         yield ""
@@ -130,7 +130,7 @@ def reasons(runs: Sequence[Run]) -> Iterator[str]:
             if verdict.state != "pass":
                 text = f"**{name}** ({WORDS[verdict.state].strip('*')}): {verdict.why}"
                 lines.setdefault(text, []).append(one.blender)
-    yield "### Scenes that did not pass, and why"
+    yield "### Scenes that are no plain pass, and why"
     yield ""
     for text, versions in lines.items():
         yield f"- {text} [{', '.join(versions)}]"

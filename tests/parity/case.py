@@ -15,7 +15,8 @@ class Case:
 
     ``passes`` of ours and ``samples`` of Cycles are those of one seed; ``photons`` of each
     kind a pass, -1: the engine's own choice. ``deviation`` says
-    why Cycles is not the judge here, and where the proof is. ``fine`` are warnings of the
+    why Cycles is not the judge here and ``truth`` gives the image's mean in every channel by a
+    closed form; ``fine`` are warnings of the
     export that take nothing from the scene.
     """
 
@@ -28,6 +29,7 @@ class Case:
     size: tuple[int, int] = (32, 32)
     quick: bool = False
     deviation: str = ""
+    truth: Callable[[], float] | None = None
     fine: tuple[str, ...] = ()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tests.parity import (
     scenes_camera,
+    scenes_deviations,
     scenes_lights,
     scenes_lobes,
     scenes_mixtures,
@@ -17,5 +18,6 @@ GROUPS = {
     "camera": cases_of(scenes_camera),
     "textures": cases_of(scenes_textures),
     "mixtures": cases_of(scenes_mixtures),
+    "where Cycles differs": cases_of(scenes_deviations),
 }
 CASES = {name: case for group in GROUPS.values() for name, case in group.items()}
