@@ -121,7 +121,10 @@ def refraction(stage: Any) -> None:
 
 @case("refraction alone, roughness 0.3", samples=128)
 def refraction_rough(stage: Any) -> None:
-    ball(stage, "BsdfRefraction", Color=(0.9, 0.9, 1.0), Roughness=0.3, IOR=1.4)
+    ball(
+        stage, "BsdfRefraction", Color=(0.9, 0.9, 1.0), Roughness=0.3, IOR=1.4,
+        distribution="GGX",
+    )  # fmt: skip
 
 
 @case("transparent sheet of colour")
