@@ -81,6 +81,7 @@ def photon_maps(
         global_=build_photon_map(global_, 2 * factor * radii.global_) if global_ else None,
         caustic_radii=(footprints, least, most),
         global_radius=factor * radii.global_,
+        edges=radii.edges,
         emitted=sum(b.count for b in batches),
         stored=sum(len(w.photons) for w in walks),
         rays=sum(w.rays for w in walks),

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from .camera_pass.caustics import footprints
 from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather, wide_only
 from .film.film import SAMPLE
+from .photons.edges import EdgeGrid, edge_grid, sharp_edges
 from .prepared import Prepared
 from .settings import Settings
 
@@ -24,10 +25,14 @@ SPREAD = 4.0
 
 
 class Radii(NamedTuple):
-    """Radii of pass 0. ``caustic``: pixel footprints, least, most, cell; ``global_`` [m]."""
+    """Radii of pass 0. ``caustic``: pixel footprints, least, most, cell; ``global_`` [m].
+
+    ``edges`` are in a grid for discs of up to that radius.
+    """
 
     caustic: tuple[float, float, float, float]
     global_: float
+    edges: EdgeGrid
 
 
 def first_radii(
@@ -50,7 +55,8 @@ def first_radii(
     typical = float(np.median(seen)) if len(seen) else 1e-3 * size
     typical = max(typical * settings.caustic_radius, 1e-7 * size)
     caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, 2 * typical)
-    return Radii(caustic, _global_radius(photons, far.vertices["p"], size))
+    radius = _global_radius(photons, far.vertices["p"], size)
+    return Radii(caustic, radius, edge_grid(sharp_edges(prepared.mesh), radius))
 
 
 def _global_radius(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..bsdf.dispatch import NARROW
 from ..bsdf.hit import HIT
 from ..film.film import SAMPLE
+from ..photons.edges import EdgeGrid
 from ..photons.photon_map import PhotonMap
 from ..prepared import Prepared
 from ..scene.camera_data import CameraData
@@ -43,6 +44,7 @@ class Region(NamedTuple):
 class PhotonMaps(NamedTuple):
     """Both maps of a pass, None where the plan has none, and the radii to ask them with.
 
+    ``edges``: those that discs of the global map stop at.
     ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m].
     """
 
@@ -50,6 +52,7 @@ class PhotonMaps(NamedTuple):
     global_: PhotonMap | None
     caustic_radii: tuple[float, float, float]
     global_radius: float
+    edges: EdgeGrid
     emitted: int
     stored: int
     rays: int
@@ -115,8 +118,8 @@ def trace_chunk(
         rays.traced += traced
         if maps.global_ is not None:
             gather_indirect(
-                far.lobes, maps.global_, maps.global_radius, far.vertices, len(far.vertices),
-                samples,
+                far.lobes, maps.global_, maps.edges, maps.global_radius, far.vertices,
+                len(far.vertices), samples,
             )  # fmt: skip
     return Chunk(pixels, samples, rays.traced)
 

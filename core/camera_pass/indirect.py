@@ -10,6 +10,7 @@ from ..geometry.interaction import leave
 from ..geometry.media import copy_media, cross_surface
 from ..geometry.vector import store, vector
 from ..jit import Row, Table, kernel
+from ..photons.edges import fitting_radius
 from ..photons.gather import gather_radiance
 from ..sampling.rng import camera_2d, mix, uniform
 from .records import GATHER, GATHER_LOBE, GATHER_STEP
@@ -76,16 +77,21 @@ def start_gather(
 def gather_indirect(
     lobes: Table,
     photon_map: Row,
+    edges: Row,
     radius: float,
     vertices: Table,
     count: int,
     samples: Table,
 ) -> None:
-    """Add the indirect layer: ``vertices`` are where the gather rays ended."""
+    """Add the indirect layer: ``vertices`` are where the gather rays ended.
+
+    No disc reaches over one of ``edges``.
+    """
     for k in range(count):
         vertex = vertices[k]
+        p = vector(vertex.p)
         radiance, _ = gather_radiance(
-            photon_map, vector(vertex.p), vector(vertex.ng), vector(vertex.ns),
-            vector(vertex.wo), radius, vertex, lobes,
+            photon_map, p, vector(vertex.ng), vector(vertex.ns), vector(vertex.wo),
+            fitting_radius(edges, p, radius), vertex, lobes,
         )  # fmt: skip
         add(samples[vertex.slot].indirect, vertex.beta, radiance, 1.0)

@@ -19,7 +19,7 @@ from ..bsdf.dispatch import (
 from ..geometry.vector import Vector, vector
 from ..jit import Row, Table, kernel
 from ..sampling.warps import INV_PI
-from .photon_map import bucket_of, cell_key
+from .cells import bucket_of, cell_key
 
 #: Photons count when their surface's normal is within 45 degrees of the query's, ...
 LEAST_COSINE = 0.7

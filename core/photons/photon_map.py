@@ -9,11 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..jit import Table, kernel
+from .cells import bucket_of, cell_key
 from .trace import PHOTON, Walk
-
-_X = np.uint64(0x9E3779B97F4A7C15)
-_SHIFT = 21  # bits a coordinate has in a cell's key
-_HALF = 1 << 20
 
 
 class PhotonMap(NamedTuple):
@@ -48,24 +45,6 @@ def build_photon_map(walks: list[Walk], cell: float) -> PhotonMap:
     place = start[:-1].copy()
     sort_into_cells(photons, first, own, bucket, place, sorted_photons, keys)
     return PhotonMap(sorted_photons, keys, start, cell)
-
-
-@kernel
-def cell_key(x: int, y: int, z: int) -> int:
-    """One number for a cell; cells 2^21 apart share it, farther than float32 reaches."""
-    mask = (1 << _SHIFT) - 1
-    return (
-        ((x + _HALF) & mask)
-        | (((y + _HALF) & mask) << _SHIFT)
-        | (((z + _HALF) & mask) << (2 * _SHIFT))
-    )
-
-
-@kernel
-def bucket_of(key: int, buckets: int) -> int:
-    """Bucket of a cell in a table whose size is a power of two."""
-    h = np.uint64(key) * _X
-    return int((h >> np.uint64(32)) & np.uint64(buckets - 1))
 
 
 @kernel

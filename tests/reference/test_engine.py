@@ -50,7 +50,7 @@ def test_each_layer_of_cornell_glass_agrees_with_the_reference(smooth):
         # Means over the image by channel: a pixel is as wide as the caustic's details.
         mean = reference[name].mean(axis=(0, 1))
         variance = reference.variance[name].mean(axis=(0, 1)) / 16**2
-        bias = {"caustics": 0.02, "indirect": 0.06}.get(name, 0.0)
+        bias = {"caustics": 0.02, "indirect": 0.02}.get(name, 0.0)
         agrees(runs.mean(axis=(1, 2)), mean, variance, bias)
     # Light sampling and hits of lights have no bias: pixel by pixel.
     agrees(found["direct"], reference["direct"], reference.variance["direct"])
