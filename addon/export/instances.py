@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.scene.builder import SceneBuilder
+from ...core.scene.tables import Visibility
 from ..report import ExportLog
 from .lights import add_light
 from .materials import NO_SURFACE, MaterialTable
 from .mesh import MeshArrays, read_mesh
 from .unsupported import warn_linking, warn_object, warn_open_glass
+from .visibility import object_visibility
 
 #: Types with a surface or a volume that cannot be rendered yet.
 _UNSUPPORTED = ("CURVES", "POINTCLOUD", "VOLUME", "GPENCIL", "GREASEPENCIL")
@@ -50,7 +52,8 @@ def add_objects(
             warn_linking(obj, log)
         elif obj.type == "MESH":
             warn_object(obj, depsgraph.view_layer, log)
-            _add_mesh(builder, obj, matrix, materials, meshes, log)
+            seen_by = object_visibility(obj, depsgraph.view_layer)
+            _add_mesh(builder, obj, matrix, seen_by, materials, meshes, log)
         elif obj.type in _UNSUPPORTED:
             log.warn(
                 f"object '{obj.name}' is left out: {obj.type.lower()} is not supported yet"
@@ -61,6 +64,7 @@ def _add_mesh(
     builder: SceneBuilder,
     obj: Any,
     matrix: NDArray[np.float64],
+    seen_by: Visibility,
     materials: MaterialTable,
     meshes: _MeshCache,
     log: ExportLog,
@@ -82,7 +86,7 @@ def _add_mesh(
         normals = None if normals is None else normals[seen]
         uvs = None if uvs is None else uvs[:, seen]
     warn_open_glass(obj.name, arrays.vertices, faces, materials.refracts(rows), log)
-    builder.add_mesh(obj.name, vertices, faces, rows, normals, uvs)
+    builder.add_mesh(obj.name, vertices, faces, rows, normals, uvs, seen_by)
 
 
 class _MeshCache:

@@ -21,18 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.scene.builder import SceneBuilder
-from ...core.scene.tables import Visibility
 from ..report import ExportLog
 from .nodes import NodeReader, shader_of, tree_of
-
-#: Ray visibility switches of Blender's objects, and the core's bits.
-_VISIBILITY = {
-    "visible_camera": Visibility.CAMERA,
-    "visible_diffuse": Visibility.DIFFUSE,
-    "visible_glossy": Visibility.GLOSSY,
-    "visible_transmission": Visibility.TRANSMISSION,
-}
-
+from .visibility import object_visibility
 
 #: A spread of 0 is parallel light; the core wants some [rad].
 _LEAST_SPREAD = 1e-3
@@ -54,7 +45,7 @@ def add_light(
     if is_portal(light):
         log.warn_group("portals are left out, they emit nothing", f"light '{name}'")
         return
-    seen = light_visibility(obj)
+    seen = object_visibility(obj)
     normalize = getattr(light, "normalize", True)
     others = {
         "soft": bool(getattr(light, "use_soft_falloff", False)),
@@ -134,12 +125,3 @@ def is_portal(light: Any) -> bool:
     return light.type == "AREA" and bool(
         getattr(getattr(light, "cycles", None), "is_portal", False)
     )
-
-
-def light_visibility(obj: Any) -> Visibility:
-    """Which rays see the lamp's shape."""
-    seen = Visibility(0)
-    for name, bit in _VISIBILITY.items():
-        if getattr(obj, name):
-            seen |= bit
-    return seen

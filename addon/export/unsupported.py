@@ -10,11 +10,6 @@ from numpy.typing import NDArray
 
 from ..report import ExportLog
 
-_RAYS = (
-    "visible_camera", "visible_diffuse", "visible_glossy", "visible_transmission",
-    "visible_shadow",
-)  # fmt: skip
-
 
 def warn_object(obj: Any, layer: Any, log: ExportLog) -> None:
     """Say which switches of the object ``obj`` with faces have no effect.
@@ -23,8 +18,6 @@ def warn_object(obj: Any, layer: Any, log: ExportLog) -> None:
     """
     name = f"object '{obj.name}'"
     own = obj.original
-    if not all(getattr(obj, flag) for flag in _RAYS) or own.indirect_only_get(view_layer=layer):
-        log.warn_group("ray visibility is ignored for objects with faces", name)
     if obj.is_holdout or obj.is_shadow_catcher or own.holdout_get(view_layer=layer):
         log.warn_group("holdouts and shadow catchers are rendered as usual", name)
     if any(system.settings.render_type == "PATH" for system in obj.particle_systems):

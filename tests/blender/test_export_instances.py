@@ -149,14 +149,29 @@ def test_what_cannot_be_rendered_is_named_once(bpy: Any) -> None:
     add_camera(bpy)
     volume = bpy.data.volumes.new("Smoke")
     link(bpy, bpy.data.objects.new("Smoke", volume))
-    cube = add_cube(bpy, "Cube")
-    cube.visible_camera = False
     add_cube(bpy, "Holdout").is_holdout = True
     warnings = export(bpy).warnings
-    assert len(warnings) == 3
+    assert len(warnings) == 2
     assert "object 'Smoke' is left out: volume is not supported yet" in warnings
-    assert any("ray visibility" in text and "'Cube'" in text for text in warnings)
     assert any("holdouts" in text and "'Holdout'" in text for text in warnings)
+
+
+def test_rays_that_do_not_see_an_object(bpy: Any) -> None:
+    from photon_map.core.scene.tables import Visibility
+
+    add_camera(bpy)
+    for name in ("camera", "diffuse", "glossy", "transmission", "shadow"):
+        setattr(add_cube(bpy, name), f"visible_{name}", False)
+    group = bpy.data.collections.new("Group")
+    bpy.context.scene.collection.children.link(group)
+    group.objects.link(add_cube(bpy, "all"))
+    bpy.context.scene.collection.objects.unlink(bpy.data.objects["all"])
+    bpy.context.view_layer.layer_collection.children["Group"].indirect_only = True
+    got = export(bpy)
+    assert not got.warnings
+    for name, bits in zip(got.scene.object_names, got.scene.object_visibility, strict=True):
+        missing = Visibility.CAMERA if name == "all" else Visibility[name.upper()]
+        assert bits == Visibility.ALL & ~missing, name
 
 
 def test_two_view_layers_differ(bpy: Any) -> None:

@@ -113,11 +113,11 @@ def test_visibility(bpy: Any) -> None:
     """Blender makes lamps invisible to the camera."""
     add_camera(bpy)
     lamp = add_light(bpy, "POINT")
-    assert export(bpy).scene.lights["visibility"].tolist() == [2 + 4 + 8]
+    assert export(bpy).scene.lights["visibility"].tolist() == [2 + 4 + 8 + 16]
     lamp.visible_camera = True
     lamp.visible_glossy = False
     lamp.visible_transmission = False
-    assert export(bpy).scene.lights["visibility"].tolist() == [1 + 2]
+    assert export(bpy).scene.lights["visibility"].tolist() == [1 + 2 + 16]
 
 
 def test_nodes_multiply_the_power(bpy: Any) -> None:

@@ -1,0 +1,30 @@
+"""Which rays see an object: its own switches, and those of its collections."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...core.scene.tables import Visibility
+
+_SWITCHES = {
+    "visible_camera": Visibility.CAMERA,
+    "visible_diffuse": Visibility.DIFFUSE,
+    "visible_glossy": Visibility.GLOSSY,
+    "visible_transmission": Visibility.TRANSMISSION,
+    "visible_shadow": Visibility.SHADOW,
+}
+
+
+def object_visibility(obj: Any, layer: Any = None) -> Visibility:
+    """The rays that see ``obj``, a surface or the shape of a lamp.
+
+    ``layer``: the original view layer; a collection that is "indirect only" there hides
+    what it holds from the camera.
+    """
+    seen = Visibility(0)
+    for name, bit in _SWITCHES.items():
+        if getattr(obj, name):
+            seen |= bit
+    if layer is not None and obj.original.indirect_only_get(view_layer=layer):
+        seen &= ~Visibility.CAMERA
+    return seen
