@@ -214,7 +214,8 @@ def _light_directly(
     radiance = np.zeros((count, 3))
     asked: int = sample_direct(
         i, settings.gather_rays, prepared.mesh, prepared.materials, lit.lobes,
-        prepared.lights, lit.vertices, count, origins, directions, lengths, slots, radiance,
+        prepared.shading, prepared.lights, lit.vertices, count, origins, directions,
+        lengths, slots, radiance,
     )  # fmt: skip
     room = prepared.lobe_room(0)
     free, traced = free_part(

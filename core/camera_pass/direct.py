@@ -21,6 +21,7 @@ def sample_direct(
     mesh: Row,
     materials: Table,
     lobes: Table,
+    shading: Row,
     lights: Row,
     vertices: Table,
     count: int,
@@ -42,28 +43,27 @@ def sample_direct(
         p = vector(vertex.p)
         ns = vector(vertex.ns)
         ng = vector(vertex.ng)
-        wo = vector(vertex.wo)
         u_light, u_face = camera_2d(i, vertex.pixel_key, LIGHT)
         entry, prob = select_light(lights, p, u_light)
         if entry < 0 or prob <= 0.0:
             continue
         u, v = camera_2d(i, vertex.pixel_key, LIGHT_POINT)
         wi, distance, light, pdf_w, delta = sample_li(
-            lights, mesh, materials, entry, p, ns, u_face, u, v
+            lights, mesh, materials, shading, entry, p, ns, u_face, u, v
         )
         behind = dot(wi, ng) < 0.0
         if not pdf_w > 0.0 or behind != (dot(wi, ns) < 0.0):
             continue
         if visibility_of(lights, entry) & part_bit(vertex, lobes, vertex.part, behind) == 0:
             continue
-        f = eval_part(vertex, lobes, ns, wo, wi, vertex.part)
+        f = eval_part(vertex, lobes, ns, vector(vertex.wo), wi, vertex.part)
         if not max(f) > 0.0:
             continue
         weight = abs(dot(wi, ns)) / (pdf_w * prob)
         shadow = casts_shadow(lights, entry)
-        # Light that nothing blocks is found here alone: a ray would stop at what is between.
+        # Light that nothing blocks is found here alone.
         if not delta and shadow:
-            pdf_bsdf = pdf_part(vertex, lobes, ns, wo, wi, vertex.part)
+            pdf_bsdf = pdf_part(vertex, lobes, ns, vector(vertex.wo), wi, vertex.part)
             if vertex.part == WIDE:
                 pdf_bsdf *= rays_each
             weight *= power_heuristic(pdf_w * prob, pdf_bsdf)

@@ -11,10 +11,10 @@ from typing import Any
 
 from ..geometry.vector import Vector, dot, scale, subtract, to_world, vector
 from ..jit import Row, Table, kernel
-from ..sampling.warps import sample_cone
+from ..sampling.warps import sample_cone, sample_triangle
 from ..scene.tables import LightKind
 from . import area, sun
-from .mesh import face_normal, pdf_area, sample_emitter
+from .mesh import face_normal, glow, pdf_area, sample_emitter
 from .point import hit_soft, hit_sphere, sample_soft_li, sample_sphere_li
 from .spot import cone_share
 from .world import sample_world, world_radiance
@@ -134,6 +134,7 @@ def sample_li(
     lights: Row,
     mesh: Row,
     materials: Table,
+    shading: Row,
     entry: int,
     p: Vector,
     n: Vector,
@@ -151,7 +152,8 @@ def sample_li(
         return wi, FAR, world_radiance(lights.world, wi), pdf_w, False
     face, q = sample_emitter(mesh, lights.emitters, u_face, u, v)
     material = mesh.material[face]
-    radiance = vector(materials[material].emission)
+    s, t = sample_triangle(u, v)
+    radiance = glow(materials, shading, mesh, face, s, t)
     to_light = subtract(q, p)
     d2 = dot(to_light, to_light)
     if d2 <= 0.0:

@@ -12,7 +12,12 @@ from typing import Any
 
 from ..geometry.vector import Vector, dot, scale, to_world, vector
 from ..jit import Row, Table, kernel
-from ..sampling.warps import sample_cosine_hemisphere, sample_disk, sample_sphere
+from ..sampling.warps import (
+    sample_cosine_hemisphere,
+    sample_disk,
+    sample_sphere,
+    sample_triangle,
+)
 from .dispatch import (
     DISK,
     RECTANGLE,
@@ -27,7 +32,7 @@ from .dispatch import (
     sun_radiance,
     sun_versine,
 )
-from .mesh import face_normal, sample_emitter
+from .mesh import face_normal, glow, pdf_area, sample_emitter
 from .point import beam_origin, soft_origin, soft_reaches
 from .spot import sample_in_cone
 from .world import sample_beam, world_radiance
@@ -78,6 +83,7 @@ def emitted(
     lights: Row,
     mesh: Row,
     materials: Table,
+    shading: Row,
     entry: int,
     face: int,
     anchor: Vector,
@@ -87,15 +93,16 @@ def emitted(
 ) -> Any:
     """Start and power per solid angle of the photon along ``w``: (origin, normal, (3,) W/sr).
 
-    Divide by the ``pdf_w`` of the direction for its flux. ``normal`` is that of the
+    ``u`` and ``v`` are those of ``sample_anchor``. Divide by the ``pdf_w`` of the direction
+    for its flux. ``normal`` is that of the
     surface it starts on, zero for lamps (they are no surfaces that rays can hit).
     """
     if entry == len(lights.lamps):
         n = face_normal(mesh, face)
-        # pdf_a is mean radiance over power: colour remains, brightness cancels.
-        e = vector(materials[mesh.material[face]].emission)
-        share = abs(dot(n, w)) * lights.emitters.power * 3.0 / (e[0] + e[1] + e[2])
-        return anchor, n, scale(e, share)
+        pdf_a = pdf_area(materials, lights.emitters, mesh.material[face])
+        a, b = sample_triangle(u, v)
+        e = glow(materials, shading, mesh, face, a, b)
+        return anchor, n, scale(e, abs(dot(n, w)) / pdf_a)
     lamp = lights.lamps[entry]
     e = vector(lamp.emission)
     if lamp.kind == RECTANGLE or lamp.kind == DISK:

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bsdf.resolve import emitted_at
 from ..geometry.mesh import Mesh
-from ..geometry.vector import Vector, cross, normalize, read, subtract
+from ..geometry.vector import Vector, cross, normalize, read, subtract, vector
 from ..jit import Row, Table, kernel
 from ..sampling.distributions import cumulative, sample_discrete
 from ..sampling.warps import sample_triangle
@@ -42,7 +43,7 @@ def emitters_of(mesh: Mesh, materials: NDArray[np.void]) -> Emitters:
 def sample_emitter(
     mesh: Row, emitters: Row, u_face: float, u: float, v: float
 ) -> tuple[int, Vector]:
-    """A face by power and a point uniform on it."""
+    """A face by power and a point uniform on it (by the map ``sample_triangle``)."""
     face = emitters.faces[sample_discrete(emitters.cdf, u_face)]
     a = read(mesh.vertices, mesh.faces[face, 0])
     b = read(mesh.vertices, mesh.faces[face, 1])
@@ -55,6 +56,15 @@ def sample_emitter(
         w * a[2] + s * b[2] + t * c[2],
     )
     return face, p
+
+
+@kernel
+def glow(materials: Table, shading: Row, mesh: Row, face: int, u: float, v: float) -> Vector:
+    """Radiance of a face at the weights ``u``, ``v`` of its second and third corner."""
+    material = materials[mesh.material[face]]
+    if material.closure_count == 0:
+        return vector(material.emission)
+    return emitted_at(material, shading, face, u, v)
 
 
 @kernel

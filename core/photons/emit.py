@@ -70,6 +70,7 @@ def _distant_origin(
 def emit_photons(
     mesh: Row,
     materials: Table,
+    shading: Row,
     lights: Row,
     light_media: Table,
     spheres: Table,
@@ -113,7 +114,9 @@ def emit_photons(
                 w, pdf = aim_local(spheres, anchor, normal, margin, u_cone, u, v)
             else:
                 w, pdf = sample_natural(lights, mesh, entry, face, uniform(key, _SIDE), u, v)
-            origin, n, power = emitted(lights, mesh, materials, entry, face, anchor, w, s, t)
+            origin, n, power = emitted(
+                lights, mesh, materials, shading, entry, face, anchor, w, s, t
+            )
             if face < 0:
                 n = normal
             if dot(n, n) > 0.0:

@@ -70,8 +70,8 @@ def trace_photons(
     directions = np.zeros((count, 3), np.float32)
     paths = np.zeros(count, PHOTON_PATH)
     alive = emit_photons(
-        prepared.mesh, prepared.materials, prepared.lights, prepared.light_media, spheres,
-        light_cdf, aimed, settings.seed, purpose, i, start, count, total, origins,
+        prepared.mesh, prepared.materials, prepared.shading, prepared.lights,
+        prepared.light_media, spheres, light_cdf, aimed, settings.seed, purpose, i, start, count, total, origins,
         directions, paths,
     )  # fmt: skip
     room = prepared.lobe_room(0)

@@ -13,6 +13,7 @@ from photon_map.core.lights.light_set import light_set
 from photon_map.core.photons.emit import PHOTON_PATH, emit_photons
 from photon_map.core.scene.builder import SceneBuilder, diffuse
 from photon_map.tests import scenes
+from photon_map.tests.core.lights.support import PLAIN
 from photon_map.tests.statistics import integral, same_means
 
 PASSES, COUNT = 40, 4096
@@ -36,8 +37,8 @@ def emitted(builder, aimed=False):
     for i in range(PASSES):
         paths = np.zeros(COUNT, PHOTON_PATH)
         alive = emit_photons(
-            mesh, scene.materials, lights, media, spheres, lights.photon_cdf, aimed, 7, 2, i,
-            0, COUNT, COUNT, origins[i], directions[i], paths,
+            mesh, scene.materials, PLAIN, lights, media, spheres, lights.photon_cdf, aimed,
+            7, 2, i, 0, COUNT, COUNT, origins[i], directions[i], paths,
         )  # fmt: skip
         flux[i, :alive] = paths["flux"][:alive]
     return origins + centre.origin, directions.astype(float), flux, lights

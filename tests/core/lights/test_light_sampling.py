@@ -10,7 +10,7 @@ import pytest
 from photon_map.core.lights.dispatch import sample_li, see_lamp
 from photon_map.core.scene.builder import SceneBuilder
 from photon_map.tests import scenes
-from photon_map.tests.core.lights.support import UP, draw, prepared
+from photon_map.tests.core.lights.support import PLAIN, UP, draw, prepared
 from photon_map.tests.statistics import same_means, uniform_square
 
 COUNT = 20_000
@@ -141,7 +141,9 @@ def test_inside_a_sphere_it_shines_all_around():
     lights, mesh, materials = lamp("sphere")
     inside = tuple(lights.lamps[0]["position"] + (0.0, 0.0, 0.1))
     light = 5.0 / (math.pi * 0.25)
-    assert sample_li(lights, mesh, materials, 0, inside, UP, 0.5, 0.5, 0.5)[2][0] == light
+    assert (
+        sample_li(lights, mesh, materials, PLAIN, 0, inside, UP, 0.5, 0.5, 0.5)[2][0] == light
+    )
     t, seen, _ = see_lamp(lights.lamps[0], inside, (0.0, 0.0, 1.0))
     assert (t, seen[0]) == (pytest.approx(0.4), light)
 
@@ -149,4 +151,4 @@ def test_inside_a_sphere_it_shines_all_around():
 def test_behind_an_area_lamp_there_is_no_light():
     lights, mesh, materials = lamp("rectangle")
     behind = tuple(PLACE[:3, 3] + PLACE[:3, 2])
-    assert sample_li(lights, mesh, materials, 0, behind, UP, 0.5, 0.5, 0.5)[3] == 0
+    assert sample_li(lights, mesh, materials, PLAIN, 0, behind, UP, 0.5, 0.5, 0.5)[3] == 0
