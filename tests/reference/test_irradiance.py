@@ -135,3 +135,44 @@ def test_phong_seen_head_on_has_albedo_one(exponent):
     b.set_world(2.0)
     found = trace(b.build(), 4000, seed=2)
     same_means(found["direct"], found.variance["direct"], 1.8)
+
+
+def test_soft_disc_lights_like_a_disc_that_faces_each_point():
+    def irradiance(x, y):
+        square = x**2 + y**2 + HEIGHT**2
+        return 5.0 * HEIGHT / (np.sqrt(square) * (square + 0.7**2))
+
+    b = floor()
+    hidden = Visibility.ALL & ~Visibility.CAMERA
+    b.add_point_light("lamp", (0, 0, HEIGHT), 5.0, radius=0.7, visibility=hidden, soft=1)
+    agrees(b, irradiance)
+
+
+def test_spread_gathers_the_light_towards_the_axis():
+    """Slats: cos^2 / d^2 (1 - tan a / tan e) / (1 - e / tan e) at each point of the lamp."""
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+
+    def irradiance(x, y):
+        total = 0 * x * y
+        for a, wa in zip(nodes / 2, weights / 2, strict=True):
+            for b, wb in zip(nodes / 2, weights / 2, strict=True):
+                side2 = (x - a) ** 2 + (y - b) ** 2
+                share = (1 - np.sqrt(side2) / HEIGHT / np.tan(1)) / (1 - 1 / np.tan(1))
+                total = total + wa * wb * share * HEIGHT**2 / (side2 + HEIGHT**2) ** 2
+        return 4.0 * total
+
+    b = floor()
+    b.add_area_light("lamp", above(), 4.0, 1.0, 1.0, spread=2.0)
+    agrees(b, irradiance)
+
+
+def test_scale_stretches_the_cone_of_a_spot():
+    def irradiance(x, y):
+        square = x**2 + y**2 + HEIGHT**2
+        cosine = HEIGHT / np.sqrt((x / 1.5) ** 2 + (y / 0.8) ** 2 + HEIGHT**2)
+        t = np.clip((cosine - np.cos(0.6)) / (1 - np.cos(0.6)), 0, 1)
+        return 5.0 * t * t * (3 - 2 * t) * HEIGHT / square**1.5
+
+    b = floor()
+    b.add_spot_light("lamp", above(), 5.0, 0.6, blend=1.0, size_x=1.5, size_y=0.8)
+    agrees(b, irradiance, floor=1e-5)
