@@ -14,10 +14,10 @@ class Case:
     """One scene. ``build`` gets a ``Stage`` and fills Blender's empty scene.
 
     ``passes`` of ours and ``samples`` of Cycles are those of one seed; ``photons`` of each
-    kind a pass, -1: the engine's own choice. ``deviation`` says
-    why Cycles is not the judge here and ``truth`` gives the image's mean in every channel by a
-    closed form; ``fine`` are warnings of the
-    export that take nothing from the scene.
+    kind a pass, -1: the engine's own choice. ``deviation`` says in what Cycles is not the
+    judge here; then ``truth`` gives the image's mean in every channel by a closed form, or
+    the text has the proof and blocks may differ while the means still have to agree.
+    ``fine`` are warnings of the export that take nothing from the scene.
     """
 
     name: str

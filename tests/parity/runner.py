@@ -82,6 +82,10 @@ def judge(out: Path, name: str) -> Verdict:
         return Verdict(**{**vars(verdict), "state": "unsupported", "why": "; ".join(missing)})
     if case.truth is not None:
         return against_truth(case, verdict, images, case.truth())
+    slight = max(map(abs, verdict.difference)) <= MEAN
+    if verdict.state == "fail" and case.deviation and slight:
+        why = f"{verdict.why}: {case.deviation}"
+        return Verdict(**{**vars(verdict), "state": "differs", "why": why})
     return verdict
 
 

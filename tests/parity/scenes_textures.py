@@ -131,7 +131,14 @@ def image_mix(stage: Any) -> None:
     tree.links.new(mix.outputs[0], surface)
 
 
-@case("normal map in tangent space, strength 0.7")
+SOFTENED = (
+    "Cycles softens bent normals of diffuse surfaces (Conty Estevez, Lecocq and Stein 2019) by "
+    "G1 of GGX with alpha^2 = tan^2(lean) / 8; a sun at 0.6 rad on a normal that leans 26.2 "
+    "degrees: G1 = 0.99647, Cycles / Lambert = 0.996474; ours is Lambert's cosine"
+)
+
+
+@case("normal map in tangent space, strength 0.7", deviation=SOFTENED)
 def normal_map(stage: Any) -> None:
     pixels = picture(4, 0.3, 0.7)
     pixels[..., 2] = 0.9
@@ -141,7 +148,7 @@ def normal_map(stage: Any) -> None:
     tree.links.new(body.outputs[0], surface)
 
 
-@case("bump map, closest-free, strength 0.6")
+@case("bump map, strength 0.6", deviation=SOFTENED)
 def bump(stage: Any) -> None:
     rows, columns = np.mgrid[0:32, 0:32] / 32.0
     wave = 0.5 + 0.3 * np.sin(2 * np.pi * rows) * np.sin(4 * np.pi * columns)
