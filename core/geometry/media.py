@@ -59,11 +59,33 @@ def ior_around(materials: Table, path: Row, material: int, entering: bool) -> fl
 
 @kernel
 def is_hidden(materials: Table, path: Row, material: int, entering: bool) -> bool:
-    """Whether the surface of ``material`` lies inside a medium of higher priority."""
+    """Whether the surface of ``material`` lies inside a medium that counts more.
+
+    That is one of higher priority, or of the same if it was entered later than the one
+    that is being left: the path is in that medium before and after.
+    """
     if materials[material].ior <= 0.0:
         return False
-    row = medium_around(materials, path, material, entering)
-    return row >= 0 and materials[row].priority > materials[material].priority
+    own = materials[material].priority
+    for k in range(path.media_count - 1, -1, -1):
+        row = path.media[k]
+        if not entering and row == material:
+            # What was entered before counts only by a higher priority.
+            entering = True
+        elif materials[row].priority > own:
+            return True
+        elif not entering and materials[row].priority == own and holds(path, k, material):
+            return True
+    return False
+
+
+@kernel
+def holds(path: Row, count: int, material: int) -> bool:
+    """Whether ``material`` is among the first ``count`` media of ``path``."""
+    for k in range(count):
+        if path.media[k] == material:
+            return True
+    return False
 
 
 @kernel

@@ -80,7 +80,7 @@ def under_glass() -> float:
 
 @case(
     "sun of angle 0 through a glass pane high above the floor",
-    passes=256, samples=512, photons=65536, truth=under_glass,
+    passes=64, samples=64, truth=under_glass,
     deviation="Cycles finds no way from a lamp without size through glass: its floor is dark",
 )  # fmt: skip
 def sun_through_pane(stage: Any) -> None:

@@ -19,12 +19,12 @@ def room(stage: Any) -> None:
     stage.lamp("AREA", (0.0, 0.0, 1.98), energy=20.0, size=0.6)
 
 
-@case("diffuse room: interreflection", passes=64, photons=65536, samples=128)
+@case("diffuse room: interreflection", passes=64, samples=128)
 def diffuse_room(stage: Any) -> None:
     room(stage)
 
 
-@case("room with a mirror ball and a diffuse cube", passes=64, photons=65536, samples=256)
+@case("room with a mirror ball and a diffuse cube", passes=64, samples=256)
 def mirror_room(stage: Any) -> None:
     room(stage)
     shiny = stage.material("BsdfAnisotropic", Color=(0.9, 0.9, 0.9), Roughness=0.0)
@@ -32,7 +32,7 @@ def mirror_room(stage: Any) -> None:
     stage.cube(stage.diffuse(0.6, 0.6, 0.2), 0.6, (0.4, -0.2, 0.3))
 
 
-@case("room with a rough metal ball (roughness 0.4)", passes=64, photons=65536, samples=256)
+@case("room with a rough metal ball (roughness 0.4)", passes=64, samples=256)
 def metal_room(stage: Any) -> None:
     room(stage)
     metal = stage.material(
@@ -99,7 +99,7 @@ def absorption(stage: Any) -> None:
     stage.ball(material)
 
 
-@case("instances of a mesh: linked, scaled, mirrored and by a collection", photons=65536)
+@case("instances of a mesh: linked, scaled, mirrored and by a collection")
 def instances(stage: Any) -> None:
     floor(stage)
     first = stage.cube(stage.diffuse(0.7, 0.2, 0.2), 0.5, (-1.0, 0.0, 0.4))

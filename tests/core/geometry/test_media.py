@@ -7,7 +7,7 @@ import pytest
 
 from photon_map.core import Settings
 from photon_map.core.camera_pass.records import PATH
-from photon_map.core.geometry.media import STACK, cross_surface, ior_around
+from photon_map.core.geometry.media import STACK, cross_surface, ior_around, is_hidden
 from photon_map.core.prepared import prepare
 from photon_map.core.scene.builder import SceneBuilder, dielectric
 from photon_map.tests import scenes
@@ -51,6 +51,30 @@ def test_the_stack_gives_the_index_on_the_far_side():
     assert ior_around(materials, path, WATER, False) == 1.0
     cross_surface(path, WATER, False)
     assert path["media_count"] == 0
+
+
+def test_of_overlapping_equals_the_one_entered_last_has_the_surfaces():
+    materials = nested((5, 0, 0)).materials
+    path = np.zeros(1, PATH)[0]
+    cross_surface(path, GLASS, True)
+    assert not is_hidden(materials, path, WATER, True), "into the water, out of the glass"
+    cross_surface(path, WATER, True)
+    assert is_hidden(materials, path, GLASS, False), "water before and after"
+    assert not is_hidden(materials, path, WATER, False)
+    cross_surface(path, GLASS, False)
+    assert not is_hidden(materials, path, WATER, False)
+    assert not is_hidden(materials, path, GLASS, False), "was never entered"
+
+
+def test_the_higher_priority_hides_the_other_s_surfaces():
+    materials = nested((5, 0, 0)).materials.copy()
+    materials["priority"][GLASS] = 1
+    path = np.zeros(1, PATH)[0]
+    cross_surface(path, GLASS, True)
+    for entering in (True, False):
+        assert is_hidden(materials, path, WATER, entering)
+    cross_surface(path, WATER, True)
+    assert not is_hidden(materials, path, GLASS, False)
 
 
 def test_leaving_what_was_never_entered_changes_nothing():
