@@ -158,7 +158,14 @@ def _choices(path: Row, gather: bool, i: int, base: int) -> tuple[float, float]:
 
 @kernel
 def _go_on(
-    materials: Table, lobes: Table, path: Row, hit: Row, u: float, base: int, share: float
+    materials: Table,
+    lobes: Table,
+    path: Row,
+    hit: Row,
+    u: float,
+    base: int,
+    share: float,
+    gather: bool,
 ) -> Vector:
     """A narrow event, chosen with probability 1 / ``share``: the new direction."""
     wi, weight, pdf_w, transmitted, eta = scatter(
@@ -167,7 +174,8 @@ def _go_on(
     )  # fmt: skip
     factor = share
     path.event = part_bit(path, lobes, NARROW, transmitted)
-    path.pdf_w = pdf_w
+    # Light behind a gather path's narrow event is a caustic, however rough the event.
+    path.pdf_w = 0.0 if gather else pdf_w
     path.since = 0.0
     if transmitted:
         # Radiance, unlike flux, is squeezed with the solid angle (Veach 1997, 5.2).
@@ -285,7 +293,7 @@ def step_paths(
                 add(sample.albedo, path.beta, albedo_nonspecular(path, lobes), share)
         if part == WIDE or path.depth >= most_depth or path.steps >= MOST_STEPS:
             continue
-        wi = _go_on(materials, lobes, path, hit, u_event, base, share)
+        wi = _go_on(materials, lobes, path, hit, u_event, base, share, gather)
         if not _carries(path, min_throughput):
             continue
         store(path.origin, leave(vector(hit.p), vector(hit.ng), wi, hit.offset))
