@@ -100,6 +100,9 @@ def head(args: argparse.Namespace) -> Iterator[str]:
     if left_out:
         yield f"Left out of this run: {', '.join(left_out)}."
         yield ""
+    if args.note:
+        yield f"**{args.note}**"
+        yield ""
     yield TEXT.read_text("utf-8")
 
 
@@ -111,6 +114,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--scenes", nargs="+", choices=list(CASES), metavar="SCENE")
     parser.add_argument("--docs", type=Path, default=ROOT / "docs")
     parser.add_argument("--work", type=Path, default=ROOT / "renders" / "accuracy")
+    parser.add_argument("--note", default="", help="a line about this run for the head")
     parser.add_argument("--keep", action="store_true", help="take scenes rendered before")
     return parser.parse_args()
 

@@ -51,6 +51,10 @@ def section(runs: Sequence[Run], folder: Path) -> Iterator[str]:
         rounding=100 * compare.ROUNDING,
     )  # fmt: skip
     yield from counts(runs)
+    missing = [name for name in CASES if name not in runs[0].verdicts]
+    if missing:
+        yield f"Not rendered in this run: {', '.join(missing)}."
+        yield ""
     for group, cases in GROUPS.items():
         names = [name for name in cases if name in runs[0].verdicts]
         if not names:

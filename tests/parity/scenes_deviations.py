@@ -25,9 +25,9 @@ def overhead(stage: Any, height: float, target: float) -> None:
     stage.camera((0.0, 0.0, height), (0.0, 0.0, target), type="ORTHO", ortho_scale=0.4)
 
 
-def slab(stage: Any, material: Any, low: float, high: float) -> None:
-    """A closed block 20 m wide from z = ``low`` to ``high``."""
-    stage.cube(material, 1.0, (0.0, 0.0, (low + high) / 2)).scale = (20.0, 20.0, high - low)
+def slab(stage: Any, material: Any, low: float, high: float, wide: float = 20.0) -> None:
+    """A closed block ``wide`` metres wide from z = ``low`` to ``high``."""
+    stage.cube(material, 1.0, (0.0, 0.0, (low + high) / 2)).scale = (wide, wide, high - low)
 
 
 def stack() -> float:
@@ -87,5 +87,5 @@ def sun_through_pane(stage: Any) -> None:
     overhead(stage, 2.0, 0.0)
     stage.square(stage.diffuse(0.5, 0.5, 0.5), 1.0)
     body = stage.material("BsdfGlass", Color=(1.0, 1.0, 1.0), Roughness=0.0, IOR=GLASS)
-    slab(stage, body, 6.0, 6.2)
+    slab(stage, body, 6.0, 6.2, 2.0)
     stage.lamp("SUN", (0.0, 0.0, 9.0), energy=1.0, angle=0.0)
