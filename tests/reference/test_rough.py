@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from photon_map.core import Settings, render
 from photon_map.core.bsdf.dispatch import NARROW, WIDE
 from photon_map.core.reference.path_tracer import trace
 from photon_map.core.scene import closures as c
@@ -86,3 +87,23 @@ def test_layers_textures_and_bounces_between_facets_are_refused():
     ):  # fmt: skip
         with pytest.raises(SceneError):
             trace(plane_seen_at(10.0, closures=[closure]), 2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("roughness", [0.2, 0.4, 0.8])
+def test_the_engine_sees_a_ball_of_frost_in_a_white_sky_as_the_reference_does(roughness):
+    # Its lobes are narrow, both, and wide: each path counts once.
+    b = SceneBuilder("ball")
+    frost = c.rough_glass(1.5, roughness, multiscatter=False)
+    b.add_mesh(
+        "ball", *scenes.sphere((0, 0, 0), 0.8, 2), b.add_material("frost", closures=[frost])
+    )
+    b.set_world(1.0)
+    b.set_camera(scenes.camera((0, -4.5, 1), (0, 0, 0), 16, 16, fov=0.35))
+    scene = b.build()
+    reference = trace(scene, 800, seed=1)
+    settings = Settings(passes=32, pixel_filter="BOX", filter_width=1.0)
+    film = list(render(scene, settings))[-1].film
+    layers = ("emission", "direct", "caustics", "indirect")
+    found = sum(film.resolve(name).astype(float).mean() for name in layers)
+    assert found == pytest.approx(reference["combined"].mean(), rel=0.02)
