@@ -44,7 +44,7 @@ class Region(NamedTuple):
 class PhotonMaps(NamedTuple):
     """Both maps of a pass, None where the plan has none, and the radii to ask them with.
 
-    ``edges``: those that discs of the global map stop at.
+    ``edges``: those that discs stop at.
     ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m].
     """
 
@@ -111,8 +111,8 @@ def trace_chunk(
     if len(ends.vertices):
         if maps.caustic is not None:
             gather_caustics(
-                ends.lobes, prepared.camera, maps.caustic, maps.caustic_radii, ends.vertices,
-                len(ends.vertices), samples,
+                ends.lobes, prepared.camera, maps.caustic, maps.edges, maps.caustic_radii,
+                ends.vertices, len(ends.vertices), samples,
             )  # fmt: skip
         far, traced = trace_gather(prepared, settings, i, ends, samples)
         rays.traced += traced

@@ -10,7 +10,7 @@ from ..geometry.interaction import leave
 from ..geometry.media import copy_media, cross_surface
 from ..geometry.vector import store, vector
 from ..jit import Row, Table, kernel
-from ..photons.edges import fitting_radius
+from ..photons.edges import LEAST_PART, fitting_radius
 from ..photons.gather import gather_radiance
 from ..sampling.rng import camera_2d, mix, uniform
 from .records import GATHER, GATHER_LOBE, GATHER_STEP
@@ -92,6 +92,6 @@ def gather_indirect(
         p = vector(vertex.p)
         radiance, _ = gather_radiance(
             photon_map, p, vector(vertex.ng), vector(vertex.ns), vector(vertex.wo),
-            fitting_radius(edges, p, radius), vertex, lobes,
+            fitting_radius(edges, p, radius, LEAST_PART), vertex, lobes,
         )  # fmt: skip
         add(samples[vertex.slot].indirect, vertex.beta, radiance, 1.0)

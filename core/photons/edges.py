@@ -21,8 +21,10 @@ from .cells import bucket_of, cell_key
 
 #: Faces that meet with normals farther apart than this cosine (45 degrees) make an edge.
 SMOOTH_COSINE = 0.7
-#: No disc gets smaller than this part of the radius: right beside an edge it would be empty.
+#: No disc gets smaller than these parts of the radius: right beside an edge it would be
+#: empty. What gather rays meet is averaged over many of them, a caustic is looked at.
 LEAST_PART = 0.1
+LEAST_PART_SEEN = 0.3
 #: Most entries of the grid (20 bytes each); scenes with more edges do without.
 MOST_ENTRIES = 4_000_000
 
@@ -109,8 +111,11 @@ def find_buckets(cells: Table, buckets: int, keys: Table, bucket: Table) -> None
 
 
 @kernel
-def fitting_radius(edges: Row, p: Vector, radius: float) -> float:
-    """``radius``, or the distance from ``p`` to the nearest edge when that is smaller."""
+def fitting_radius(edges: Row, p: Vector, radius: float, least_part: float) -> float:
+    """``radius``, or the distance from ``p`` to the nearest edge when that is smaller.
+
+    It is at least ``least_part`` of ``radius``.
+    """
     key = cell_key(
         int(math.floor(p[0] / edges.cell)),
         int(math.floor(p[1] / edges.cell)),
@@ -129,4 +134,4 @@ def fitting_radius(edges: Row, p: Vector, radius: float) -> float:
         t = dot(way, along_edge) / square if square > 0.0 else 0.0
         gap = subtract(way, along((0.0, 0.0, 0.0), along_edge, min(1.0, max(0.0, t))))
         nearest = min(nearest, dot(gap, gap))
-    return max(math.sqrt(nearest), LEAST_PART * radius)
+    return max(math.sqrt(nearest), least_part * radius)

@@ -67,7 +67,7 @@ def test_the_radius_is_the_distance_to_the_nearest_edge(radius):
     way = points[:, None] - a
     share = np.clip((way * d).sum(2) / np.maximum((d * d).sum(1), 1e-300), 0, 1)
     distance = np.linalg.norm(way - share[..., None] * d, axis=2).min(axis=1)
-    found = [fitting_radius(grid, tuple(p), radius) for p in points]
+    found = [fitting_radius(grid, tuple(p), radius, LEAST_PART) for p in points]
     np.testing.assert_allclose(
         found, np.clip(distance, LEAST_PART * radius, radius), rtol=1e-9, atol=1e-12
     )
@@ -78,4 +78,4 @@ def test_too_many_edges_are_left_out():
     segments = np.zeros((MOST_ENTRIES // 8 + 1, 2, 3))
     grid = edge_grid(segments, 1.0)
     assert len(grid.keys) == 0
-    assert fitting_radius(grid, (0.0, 0.0, 0.0), 1.0) == 1.0
+    assert fitting_radius(grid, (0.0, 0.0, 0.0), 1.0, LEAST_PART) == 1.0
