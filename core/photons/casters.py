@@ -23,7 +23,8 @@ def caster_strength(scene: Scene) -> NDArray[np.float64]:
     strength = np.zeros(len(scene.materials))
     for k, row in enumerate(scene.materials):
         strength[k] = sum(part for part, _ in _lobe_parts(scene, row))
-        strength[k] += sum(_narrow_closure(closure) for closure in _closures(scene, row))
+        step = _least_step(scene, float(row["ior"]))
+        strength[k] += sum(_narrow_closure(closure, step) for closure in _closures(scene, row))
     return strength
 
 
@@ -52,12 +53,24 @@ def _closures(scene: Scene, row: np.void) -> NDArray[np.void]:
     return scene.closures[row["closure_start"] : row["closure_start"] + row["closure_count"]]
 
 
-def _share_of(roughness: float) -> float:
-    """Narrow share of a microfacet lobe of Blender's ``roughness``."""
+def _share_of(roughness: float, eta: float = 0.0) -> float:
+    """Narrow share of a microfacet lobe of Blender's ``roughness``, refracting by ``eta``."""
     lobe = np.zeros(1, LOBE)
-    lobe["model"] = Model.GGX
+    lobe["model"] = Model.GGX_DIELECTRIC if eta > 0 else Model.GGX
     lobe["roughness"] = roughness * roughness
+    lobe["eta"] = eta
     return float(narrow_share(lobe[0]))
+
+
+def _least_step(scene: Scene, ior: float) -> float:
+    """The relative index nearest to 1 that a surface of ``ior`` may have in the scene.
+
+    The nearer the indices, the more of a rough refraction is narrow.
+    """
+    around = scene.materials["ior"]
+    steps = np.maximum(ior, 1e-3) / np.append(around[(around > 0) & (around != ior)], 1.0)
+    steps = np.maximum(steps, 1.0 / steps)
+    return float(steps.min())
 
 
 def _least(param: np.void) -> float:
@@ -81,9 +94,12 @@ def _factor(closure: np.void) -> float:
     return factor
 
 
-def _narrow_closure(closure: np.void) -> float:
+def _narrow_closure(closure: np.void, step: float) -> float:
     kind = closure["kind"]
     share = _share_of(_least(closure["roughness"]))
+    refracted = _share_of(_least(closure["roughness"]), step)
+    if kind in (ClosureKind.GLASS, ClosureKind.REFRACTION):
+        return _factor(closure) * refracted * _most(closure["color"])
     if kind in _GLOSSY_KINDS:
         return _factor(closure) * share * _most(closure["color"])
     if kind != ClosureKind.PRINCIPLED:
@@ -93,9 +109,9 @@ def _narrow_closure(closure: np.void) -> float:
     ior = float(closure["ior"])
     f0 = ((ior - 1.0) / (ior + 1.0)) ** 2 * 2.0 * float(closure["specular_level"])
     body = 1.0 - _least(closure["metallic"])
-    sharp = metallic * _most(closure["color"]) + body * max(transmission, min(1.0, f0))
+    sharp = metallic * _most(closure["color"]) + body * min(1.0, f0)
     coat = 0.04 * float(closure["coat"]) * _share_of(float(closure["coat_roughness"]))
-    return _factor(closure) * (share * sharp + coat)
+    return _factor(closure) * (share * sharp + refracted * body * transmission + coat)
 
 
 def _is_wide(closure: np.void) -> bool:
