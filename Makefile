@@ -8,11 +8,12 @@ ARGS ?=
 
 BIN := .venv/bin
 
-.PHONY: help env env-core bpy render test test-core accuracy lint samples clean
+.PHONY: help env env-core bpy render test test-slow test-core accuracy lint samples clean
 
 help:
 	@echo "make render [BLEND=file.blend]  render it to renders/*.png and *.exr"
-	@echo "make test                       lint, types and all tests"
+	@echo "make test                       lint, types and all tests but the slow ones"
+	@echo "make test-slow                  the tests that take minutes each"
 	@echo "make test-core                  the tests that need no Blender, without bpy"
 	@echo "make accuracy                   the long comparisons (under an hour): docs/accuracy.md"
 	@echo "make lint                       ruff and mypy"
@@ -43,10 +44,14 @@ lint: env
 	$(BIN)/mypy
 
 test: lint bpy
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+
+# Slopes of convergence and closed forms at many passes: minutes each.
+test-slow: bpy
+	$(BIN)/python -m pytest -m slow $(ARGS)
 
 test-core: env-core
-	.venv-core/bin/python -m pytest -m "not blender" \
+	.venv-core/bin/python -m pytest -m "not blender and not slow" \
 		--ignore=tests/addon --ignore=tests/blender $(ARGS)
 
 # Both Blenders where both Pythons are at hand; the document says which one was not.

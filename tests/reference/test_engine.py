@@ -40,7 +40,6 @@ def agrees(runs, expected, variance=0.0, bias=0.0):
     same_means(runs.mean(axis=0), spread, expected, variance, floor=floor, freedom=RUNS - 1)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("smooth", [False, True])
 def test_each_layer_of_cornell_glass_agrees_with_the_reference(smooth):
     scene = scenes.cornell_glass(16, smooth=smooth)
