@@ -19,7 +19,7 @@ from ..geometry.vector import Vector, along, dot, read, subtract
 from ..jit import Row, Table, kernel
 from .cells import bucket_of, cell_key
 
-#: Faces that meet with normals farther apart than this cosine (45 degrees) make an edge.
+#: Faces that meet at a fold sharper than this cosine (45 degrees) make an edge.
 SMOOTH_COSINE = 0.7
 #: No disc gets smaller than these parts of the radius: right beside an edge it would be
 #: empty. What gather rays meet is averaged over many of them, a caustic is looked at.
@@ -60,13 +60,26 @@ def sharp_edges(mesh: Mesh) -> NDArray[np.float64]:
     code = pair[:, 0] * (corner.max() + 1) + pair[:, 1]
     order = np.argsort(code, kind="stable")
     code, face, side = code[order], face[order], side[order]
+    inward = _inward(points, normal)[side, face]
     _, first, count = np.unique(code, return_index=True, return_counts=True)
-    second = np.minimum(first + 1, len(face) - 1)
-    cosine = (normal[face[first]] * normal[face[second]]).sum(axis=1)
-    sharp = (count != 2) | (cosine < SMOOTH_COSINE)
+    sharp = np.ones(len(first), np.bool_)
+    for c in np.unique(count[count > 1]):
+        # All edges at which c faces meet: each face needs one that goes on where it ends.
+        here = np.flatnonzero(count == c)
+        ways = inward[first[here][:, None] + np.arange(c)]
+        cosines = np.einsum("nik,njk->nij", ways, ways)
+        sharp[here] = (cosines.min(axis=2) > -SMOOTH_COSINE).any(axis=1)
     f, s = face[first[sharp]], side[first[sharp]]
     segments: NDArray[np.float64] = np.stack([points[f, s], points[f, (s + 1) % 3]], axis=1)
     return segments
+
+
+def _inward(points: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit vectors (3, F, 3) in each face's plane, from each of its sides inwards."""
+    along_side = points[:, [1, 2, 0]] - points
+    ways = np.cross(normal[:, None], along_side)
+    ways /= np.maximum(np.linalg.norm(ways, axis=2, keepdims=True), 1e-300)
+    return np.ascontiguousarray(ways.transpose(1, 0, 2))
 
 
 def edge_grid(segments: NDArray[np.float64], radius: float) -> EdgeGrid:
