@@ -53,8 +53,11 @@ def moved(scene: Scene, scale: float = 1.0, offset: ArrayLike = (0, 0, 0)) -> Sc
     shift = np.asarray(offset, float)
     lights = scene.lights.copy()
     lights["position"] = lights["position"] * scale + shift
-    for name in ("size_x", "size_y", "radius"):
-        lights[name] *= scale
+    lights["radius"] *= scale
+    # The sizes of a spot stretch its cone: they have no unit.
+    area = lights["kind"] != LightKind.SPOT
+    lights["size_x"][area] *= scale
+    lights["size_y"][area] *= scale
     lights["emission"][np.isin(lights["kind"], (LightKind.POINT, LightKind.SPOT))] *= scale**2
     camera = scene.camera
     assert camera is not None
