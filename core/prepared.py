@@ -14,6 +14,7 @@ from .film.filters import filter_table
 from .geometry.intersector import Intersector
 from .geometry.media import STACK, enclosing_media
 from .geometry.mesh import Centre, Mesh, centre_of, centred_mesh
+from .geometry.touching import overlapped
 from .lights.light_set import LightSet, light_set
 from .photons.aim import Aim, aim_at
 from .scene.scene import Scene, SceneError
@@ -65,6 +66,7 @@ def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prep
         )
     centre = centre_of(scene)
     mesh = centred_mesh(scene, centre)
+    mesh = overlapped(mesh, scene.face_object, scene.materials["ior"] > 0)
     intersector = Intersector(mesh, stop)
     lights = light_set(scene, mesh, centre)
     camera = camera_tables(

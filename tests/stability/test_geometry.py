@@ -159,12 +159,13 @@ def test_no_light_leaks_out_of_thin_walls(thickness):
     assert (found["total"] == 0).all()
 
 
-@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-5, -1e-5, -1e-4])
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-5, 0.0, -1e-5, -1e-4])
 def test_glass_on_a_table_whatever_the_gap(gap):
     """A wide slab on, above or sunk into a floor: Fresnel's share arrives below it.
 
     Over a gap light crosses two faces each way: (1 - F) / (1 + F) squared. Sunk, the floor
-    lies inside the glass: 1 - F each way, and radiance leaves it scaled by 1 / n^2.
+    lies inside the glass: 1 - F each way, and radiance leaves it scaled by 1 / n^2; in
+    contact the same, without ties.
     """
     b = scenes.floor_scene([diffuse(0.3)], half=1.0, size=4, height=0.6)
     slab = scenes.box((-0.9, -0.9, gap), (0.9, 0.9, 0.3))
