@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,10 +17,13 @@ import numpy as np
 from tests.parity.case import Case
 from tests.parity.cases import CASES
 from tests.parity.compare import MEAN, Verdict, compare
+from tests.parity.protocol import PULSE
 
 ROOT = Path(__file__).resolve().parents[2]
-#: Longest silence of a worker [s]: one scene, compiling included.
+#: Longest silence of a worker [s]: one image, or one kernel being compiled.
 TIMEOUT = 400.0
+#: How often a worker is looked at [s].
+LOOK = 1.0
 ENGINES = ("ours", "cycles")
 
 
@@ -37,8 +41,10 @@ def render(
 
 
 def work(names: Sequence[str], out: Path, python: str, timeout: float) -> None:
-    """One worker, ended when it is silent for ``timeout`` seconds."""
+    """One worker, ended when its pulse has been still for ``timeout`` seconds."""
     command = [python, "-m", "tests.parity.worker", str(out), *names]
+    pulse = out / PULSE
+    pulse.touch()
     with tempfile.TemporaryDirectory() as folder:
         environment = {**os.environ, "BLENDER_USER_RESOURCES": folder}
         with (
@@ -47,10 +53,9 @@ def work(names: Sequence[str], out: Path, python: str, timeout: float) -> None:
                 command, cwd=ROOT, env=environment, stdout=log, stderr=log
             ) as process,
         ):
-            done = -1
-            while done != (done := sum(1 for _ in out.glob("*.npz"))):
+            while time.time() - pulse.stat().st_mtime < timeout:
                 try:
-                    process.wait(timeout)
+                    process.wait(LOOK)
                     break
                 except subprocess.TimeoutExpired:
                     continue

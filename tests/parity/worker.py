@@ -21,6 +21,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from numba.core import event
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
@@ -30,19 +31,33 @@ from cycles_peer import BOUNCES, quiet, render_image, set_up  # noqa: E402
 from tests.blender.conftest import load_package  # noqa: E402
 from tests.parity.case import Case  # noqa: E402
 from tests.parity.cases import CASES  # noqa: E402
-from tests.parity.protocol import ENOUGH, ROUNDS, SEEDS  # noqa: E402
+from tests.parity.protocol import ENOUGH, PULSE, ROUNDS, SEEDS  # noqa: E402
 from tests.parity.stage import Stage  # noqa: E402
 
 Image = np.ndarray
 
 
-def rounds(render: Callable[[int], Image]) -> tuple[Image, float]:
+class Pulse(event.Listener):
+    """Touches a file whenever an image is done or Numba begins or ends to compile."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+
+    def on_start(self, event: Any) -> None:
+        self.file.touch()
+
+    def on_end(self, event: Any) -> None:
+        self.file.touch()
+
+
+def rounds(render: Callable[[int], Image], pulse: Path) -> tuple[Image, float]:
     """Images (seeds, h, w, 3) of seeds 1, 2, 3 ..., and the seconds they took."""
     images: list[Image] = []
     started = time.perf_counter()
     for _ in range(ROUNDS):
         for _ in range(SEEDS):
             images.append(render(len(images) + 1))
+            pulse.touch()
         means = np.stack(images).mean(axis=(1, 2))
         error = means.std(axis=0, ddof=1) / np.sqrt(len(means))
         if (error <= ENOUGH * means.mean()).all():
@@ -56,7 +71,7 @@ def build(case: Case, folder: Path) -> None:
     case.build(Stage(folder, case.size))
 
 
-def render_ours(case: Case) -> dict[str, Any]:
+def render_ours(case: Case, pulse: Path) -> dict[str, Any]:
     """Photon Map, the scene exported once by the render operator."""
     from photon_map.addon import headless
     from photon_map.addon.job import Job
@@ -86,19 +101,19 @@ def render_ours(case: Case) -> dict[str, Any]:
         photons.append(film.resolve("caustics")[..., :3] + film.resolve("indirect")[..., :3])
         return np.array(film.resolve("combined")[::-1, :, :3], np.float64)
 
-    images, seconds = rounds(image)
+    images, seconds = rounds(image, pulse)
     by_photons = np.mean(photons, axis=0)[::-1]
     return {
         "ours": images, "photons": by_photons, "ours_seconds": seconds, "warnings": warnings
     }  # fmt: skip
 
 
-def render_cycles(case: Case) -> dict[str, Any]:
+def render_cycles(case: Case, pulse: Path) -> dict[str, Any]:
     """Cycles in the same Blender."""
     scene = bpy.context.scene
     set_up(scene, *case.size, threads=2)
     images, seconds = rounds(
-        lambda seed: render_image(scene, seed=seed, samples=case.samples)[0]
+        lambda seed: render_image(scene, seed=seed, samples=case.samples)[0], pulse
     )
     return {"cycles": images, "cycles_seconds": seconds}
 
@@ -113,8 +128,8 @@ def save(case: Case, out: Path) -> None:
     try:
         with tempfile.TemporaryDirectory() as folder:
             build(case, Path(folder))
-            kept.update(render_ours(case))
-            kept.update(render_cycles(case))
+            kept.update(render_ours(case, out / PULSE))
+            kept.update(render_cycles(case, out / PULSE))
     except Exception:
         kept["error"] = traceback.format_exc(limit=-4)
     arrays = {k: np.float32(v) for k, v in kept.items() if isinstance(v, np.ndarray)}
@@ -133,6 +148,7 @@ def main() -> None:
     parser.add_argument("names", nargs="+", choices=list(CASES), metavar="NAME")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
+    event.register("numba:compile", Pulse(args.out / PULSE))
     load_package().register()
     for name in args.names:
         started = time.perf_counter()
