@@ -72,32 +72,42 @@ def _reverse(x: np.uint64) -> np.uint64:
 
 
 @kernel
-def _scramble(x: np.uint64, seed: np.uint64) -> np.uint64:
-    """Nested uniform (Owen) scramble of 32 bits by the Laine-Karras permutation."""
-    x = _reverse(x)
+def _permute(x: np.uint64, seed: np.uint64) -> np.uint64:
+    """Laine-Karras permutation of 32 bits: a change in a bit reaches only higher ones.
+
+    On a reversed number that is a nested uniform (Owen) scramble.
+    """
     x = (x + seed) & _LOW_32
     x = x ^ ((x * np.uint64(0x6C50B47C)) & _LOW_32)
     x = x ^ ((x * np.uint64(0xB82F1E52)) & _LOW_32)
     x = x ^ ((x * np.uint64(0xC7AFE638)) & _LOW_32)
-    x = x ^ ((x * np.uint64(0x8D22F6E6)) & _LOW_32)
-    return _reverse(x)
+    return x ^ ((x * np.uint64(0x8D22F6E6)) & _LOW_32)
+
+
+@kernel
+def _pascal(x: np.uint64) -> np.uint64:
+    """Bit k of the result is the parity of those bits j of ``x`` for which C(j, k) is odd.
+
+    That is the product of ``x`` with the second Sobol matrix, low bits for high ones. By
+    Lucas' theorem C(j, k) is odd where the digits of k are among those of j, so the
+    product factors into one step for each of the 5 digits.
+    """
+    x ^= (x >> np.uint64(1)) & np.uint64(0x55555555)
+    x ^= (x >> np.uint64(2)) & np.uint64(0x33333333)
+    x ^= (x >> np.uint64(4)) & np.uint64(0x0F0F0F0F)
+    x ^= (x >> np.uint64(8)) & np.uint64(0x00FF00FF)
+    return x ^ (x >> np.uint64(16))
 
 
 @kernel
 def sobol_2d(index: int, key: np.uint64) -> tuple[float, float]:
     """Point ``index`` of an Owen-scrambled (0, 2)-sequence; ``key`` chooses the scramble."""
-    order = _scramble(np.uint64(index) & _LOW_32, mix(key) & _LOW_32)
-    x = _reverse(order)
-    y = np.uint64(0)
-    direction = np.uint64(0x80000000)
-    rest = order
-    while rest != np.uint64(0):
-        if rest & np.uint64(1):
-            y ^= direction
-        direction ^= direction >> np.uint64(1)
-        rest >>= np.uint64(1)
-    x = _scramble(x, mix(key + _MIX_1) & _LOW_32)
-    y = _scramble(y, mix(key + _MIX_2) & _LOW_32)
+    order = _permute(_reverse(np.uint64(index) & _LOW_32), mix(key) & _LOW_32)
+    order = _reverse(order)
+    # The sequence's points are the reverse of `order` and of its Pascal product: each
+    # scramble would reverse them once more, which cancels.
+    x = _reverse(_permute(order, mix(key + _MIX_1) & _LOW_32))
+    y = _reverse(_permute(_pascal(order), mix(key + _MIX_2) & _LOW_32))
     return float(x) * _TO_UNIT_32, float(y) * _TO_UNIT_32
 
 
