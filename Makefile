@@ -7,6 +7,8 @@ BLEND ?= sample_blends/cornell_corridor.blend
 ARGS ?=
 
 BIN := .venv/bin
+# Two processes share the files of tests; more would not fit the memory of small machines.
+PYTEST := python -m pytest -n 2 --dist loadfile
 
 .PHONY: help env env-core bpy render test test-slow test-core accuracy lint samples clean
 
@@ -44,14 +46,14 @@ lint: env
 	$(BIN)/mypy
 
 test: lint bpy
-	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+	$(BIN)/$(PYTEST) -m "not slow" $(ARGS)
 
 # Slopes of convergence and closed forms at many passes: minutes each.
 test-slow: bpy
-	$(BIN)/python -m pytest -m slow $(ARGS)
+	$(BIN)/$(PYTEST) -m slow $(ARGS)
 
 test-core: env-core
-	.venv-core/bin/python -m pytest -m "not blender and not slow" \
+	.venv-core/bin/$(PYTEST) -m "not blender and not slow" \
 		--ignore=tests/addon --ignore=tests/blender $(ARGS)
 
 # Both Blenders where both Pythons are at hand; the document says which one was not.
