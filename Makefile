@@ -10,7 +10,8 @@ BIN := .venv/bin
 # Two processes share the files of tests; more would not fit the memory of small machines.
 PYTEST := python -m pytest -n 2 --dist loadfile
 
-.PHONY: help env env-core bpy render test test-slow test-core accuracy lint samples clean
+.PHONY: help env env-core bpy render test test-slow test-core accuracy bench bench-quick lint \
+	samples clean
 
 help:
 	@echo "make render [BLEND=file.blend]  render it to renders/*.png and *.exr"
@@ -18,6 +19,8 @@ help:
 	@echo "make test-slow                  the tests that take minutes each"
 	@echo "make test-core                  the tests that need no Blender, without bpy"
 	@echo "make accuracy                   the long comparisons (under an hour): docs/accuracy.md"
+	@echo "make bench                      speed against error (under 30 minutes): docs/benchmarks.md"
+	@echo "make bench-quick                a part of it (under 5 minutes)"
 	@echo "make lint                       ruff and mypy"
 	@echo "make samples                    build sample_blends/*.blend again (Python 3.11)"
 	@echo "make clean                      remove everything that make made"
@@ -64,6 +67,13 @@ accuracy:
 		tools/make_env.sh .venv-accuracy-other blender,cli,dev "$$other" || true; \
 		.venv-accuracy/bin/python benchmarks/accuracy.py \
 			--python .venv-accuracy-other/bin/python $(ARGS)
+
+# The peers' wheels fit Python 3.11 only together with bpy 5.0.
+bench bench-quick:
+	@tools/make_env.sh .venv-bench blender,cli,dev,bench "3.11" "$(PYTHON)"
+	@.venv-bench/bin/python -m photon_map.blender_libraries
+	@.venv-bench/bin/python benchmarks/speed.py \
+		$(if $(filter bench,$@),--docs docs,--quick) $(ARGS)
 
 # bpy 4.2 writes files that Blender 4.2 to 5.2 open.
 samples:

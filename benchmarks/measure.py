@@ -1,11 +1,13 @@
-"""Linear images from and to EXR, and the error measure of every benchmark."""
+"""Linear images from and to EXR, and the error measure of every benchmark.
+
+OpenEXR is imported where it is used: beside LuxCore's own copy the process would abort.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
-import OpenEXR
 from numpy.typing import NDArray
 
 Image = NDArray[np.float64]
@@ -17,6 +19,8 @@ def read_exr(path: Path) -> Image:
     Takes the channels R G B, of a bare or of Blender's layered naming. Raises ``ValueError``
     when there is none.
     """
+    import OpenEXR
+
     planes: dict[str, NDArray[np.generic]] = {}
     for name, channel in OpenEXR.File(str(path), separate_channels=True).channels().items():
         planes[name] = channel.pixels
@@ -29,6 +33,8 @@ def read_exr(path: Path) -> Image:
 
 def write_exr(path: Path, image: Image, metadata: dict[str, str]) -> None:
     """Write (h, w, 3) as float32 channels R G B; the file appears whole or not at all."""
+    import OpenEXR
+
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
