@@ -97,8 +97,6 @@ def light_power(light: Any, owner: str, log: ExportLog) -> NDArray[np.float64]:
         power = power * np.array(light.temperature_color[:3], dtype=np.float64)
     power = power * 2.0 ** float(getattr(light, "exposure", 0.0))
     power = power * node_factor(light, owner, log)
-    if not light.use_shadow:
-        log.warn(f"{owner}: without shadows in direct light only, its photons are blocked")
     if (power < 0).any():
         log.warn(f"{owner}: negative power is not possible, 0 is used")
     return np.maximum(power, 0.0)

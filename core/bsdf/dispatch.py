@@ -133,6 +133,22 @@ def eval_part(
 
 
 @kernel
+def eval_alike(
+    surface: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector, part: int, eta: float
+) -> Vector:
+    """As ``eval_part``; below ``n`` of those lobes alone that scale radiance by 1 / eta^2."""
+    total = _BLACK
+    below = dot(n, wi) < 0.0
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        share = _part_share(lobes[k], part)
+        own = lobes[k].eta if is_rough_glass(lobes[k].model) else 1.0
+        # Seen from the other side the ratio is the inverse, but for rounding.
+        if share > 0.0 and (not below or abs(own - eta) < 1e-6 * eta):
+            total = add(total, scale(eval_lobe(lobes[k], n, wo, wi), share))
+    return total
+
+
+@kernel
 def pdf_part(surface: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector, part: int) -> float:
     """Density per solid angle of what ``sample_part`` draws, deltas left out."""
     total = 0.0

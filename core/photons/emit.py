@@ -26,7 +26,7 @@ from .aim import aim_distant, aim_local
 #: One photon on its way. ``flux`` [W] per channel; ``direction`` of travel; ``index`` of
 #: its path in the pass; ``depth``: events so far, ``steps``: surfaces so far;
 #: ``visibility`` bits of what it comes from, its light ``entry`` or the object of its last
-#: event;
+#: event; ``passed``: surfaces that it met on its straight way from a lamp without shadows;
 #: ``lobe_start`` and ``lobe_count``: the lobes of the surface that it is on.
 PHOTON_PATH = np.dtype(
     [
@@ -40,6 +40,7 @@ PHOTON_PATH = np.dtype(
         ("lobe_count", "i4"),
         ("visibility", "i4"),
         ("entry", "i4"),
+        ("passed", "i4"),
         ("media_count", "i4"),
         ("media", "i4", STACK),
     ],
@@ -135,6 +136,7 @@ def emit_photons(
         path.index = k
         path.depth = 0
         path.steps = 0
+        path.passed = 0
         path.visibility = visibility_of(lights, entry)
         path.entry = entry
         store(path.flux, flux)

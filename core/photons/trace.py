@@ -7,18 +7,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bsdf.dispatch import NARROW, WIDE, eval_part, lobe_weights, part_bit
+from ..bsdf.dispatch import NARROW, WIDE, lobe_weights, part_bit
 from ..bsdf.hit import HIT, meet, shade
-from ..bsdf.resolve import resolve
 from ..bsdf.scatter import choose_transparency, goes_through, scatter
 from ..geometry.interaction import leave
-from ..geometry.media import cross_surface, current_medium, ior_around, transmittance
+from ..geometry.media import cross_surface, current_medium, transmittance
 from ..geometry.vector import Vector, dot, read, scale, store, vector
 from ..jit import Row, Table, kernel
+from ..lights.dispatch import casts_shadow
 from ..lights.emission import reaches
 from ..sampling.rng import uniform
 from ..scene.tables import Visibility
 from ..settings import Settings
+from .adjoint import MOST_CORRECTION, adjoint_weight, normal_correction
 from .emit import FIRST_BOUNCE, PHOTON_PATH, emit_photons
 
 if TYPE_CHECKING:
@@ -33,12 +34,9 @@ PHOTON = np.dtype(
 _DIFFUSE_BIT = int(Visibility.DIFFUSE)
 _SHADOW_BIT = int(Visibility.SHADOW)
 _DIMENSIONS = 8  # random numbers a step may use
-_CHOICE, _SURVIVAL, _LOBE, _U, _V, _PASS = range(6)
+_CHOICE, _SURVIVAL, _LOBE, _U, _V, _PASS, _ON = range(7)
 #: Surfaces that a photon may meet, those it goes straight through included.
 _MOST_STEPS = 4096
-#: Bound on the cosine ratio of shading and geometric normal. Towards grazing it has no
-#: bound and infinite variance; it is above 8 only for light within 1/8 rad of grazing.
-_MOST_CORRECTION = 8.0
 
 
 class Walk(NamedTuple):
@@ -132,11 +130,13 @@ def _arrive(
     shading: Row,
     spare: int,
     base: int,
+    shadowless: bool,
 ) -> bool:
     """Absorption on the way to a hit, and the lobes there: whether the photon goes through.
 
     Camera rays would know what kind of ray sees the surface; a photon goes through what
     casts no shadow when it comes from a light, and else through what diffuse rays miss.
+    A ``shadowless`` one is not weakened by what lets it through.
     """
     left = transmittance(materials, current_medium(materials, path), hit.way)
     for c in range(3):
@@ -148,6 +148,8 @@ def _arrive(
     if not materials[hit.row].passes:
         return False
     wide, narrow = lobe_weights(path, lobes)
+    if shadowless and wide + narrow > 0.0:
+        return False
     through, factor = choose_transparency(
         path, lobes, wide + narrow, uniform(path.key, base + _PASS)
     )
@@ -157,48 +159,18 @@ def _arrive(
 
 
 @kernel
-def _adjoint(
-    path: Row,
-    hit: Row,
-    mesh: Row,
-    materials: Table,
-    lobes: Table,
-    shading: Row,
-    spare: int,
-    part: int,
-    wi: Vector,
-    weight: Vector,
-) -> Vector:
-    """The event's weight with its lobes worked out for a viewer in ``wi``.
+def _shines_on(path: Row, wide: float, base: int) -> bool:
+    """Whether the photon of a lamp without shadows goes straight on behind a surface.
 
-    Layered materials are not reciprocal: what a layer takes from those below depends on
-    where the viewer is, and a photon's viewer is the one it leaves to.
+    It lights all surfaces on its line and is scattered at one of them, by even chances.
+    Mirror and glass see such a lamp as any other: only where it is the first thing ahead.
     """
-    wo = vector(hit.wo)
-    ns = vector(hit.ns)
-    entering = hit.entering != 0
-    before = eval_part(path, lobes, ns, wo, wi, part)
-    around = ior_around(materials, path, hit.row, entering)
-    path.lobe_count = resolve(
-        materials[hit.row], shading, mesh, hit.face, hit.u, hit.v, ns, wi, entering, around,
-        lobes, spare,
-    )  # fmt: skip
-    path.lobe_start = spare
-    after = eval_part(path, lobes, ns, wi, wo, part)
-    return (
-        weight[0] * after[0] / before[0] if before[0] > 0.0 else 0.0,
-        weight[1] * after[1] / before[1] if before[1] > 0.0 else 0.0,
-        weight[2] * after[2] / before[2] if before[2] > 0.0 else 0.0,
-    )
-
-
-@kernel
-def _correction(hit: Row, wi: Vector) -> float:
-    """Adjoint of the shading normal for the outgoing side (Veach 1997, section 5.3)."""
-    cos_s = abs(dot(wi, vector(hit.ns)))
-    if cos_s <= 0.0:
-        return 0.0
-    return min(_MOST_CORRECTION, abs(dot(wi, vector(hit.ng))) / cos_s)
+    path.passed += 1
+    if path.passed > 1 and wide <= 0.0:
+        return True
+    for c in range(3):
+        path.flux[c] *= 2.0
+    return bool(uniform(path.key, base + _ON) < 0.5)
 
 
 @kernel
@@ -216,6 +188,8 @@ def _bounce(
 ) -> Any:
     """Scatter a photon at a hit: (whether it lives, wi); ``ratio`` scales its flux."""
     wide, narrow = lobe_weights(path, lobes)
+    if path.passed > 1 and path.depth == 0:
+        narrow = 0.0
     total = narrow if caustic else wide + narrow
     nowhere = (0.0, 0.0, 1.0)
     if total <= 0.0:
@@ -223,7 +197,7 @@ def _bounce(
     part = WIDE
     if caustic or uniform(path.key, base + _CHOICE) * total < narrow:
         part = NARROW
-    wi, weight, pdf_w, transmitted, _ = scatter(
+    wi, weight, pdf_w, transmitted, eta = scatter(
         materials, lobes, path, hit, part, uniform(path.key, base + _LOBE),
         uniform(path.key, base + _U), uniform(path.key, base + _V),
     )  # fmt: skip
@@ -231,11 +205,13 @@ def _bounce(
         return False, nowhere
     if path.visibility & part_bit(path, lobes, part, transmitted) == 0:
         return False, nowhere
-    if hit.own and pdf_w > 0.0 and not transmitted:
-        weight = _adjoint(path, hit, mesh, materials, lobes, shading, spare, part, wi, weight)
+    if hit.own and pdf_w > 0.0:
+        weight = adjoint_weight(
+            path, hit, mesh, materials, lobes, shading, spare, part, wi, eta, weight
+        )
     if transmitted and materials[hit.row].ior > 0.0:
         cross_surface(path, hit.row, hit.entering != 0)
-    ratio *= _correction(hit, wi) * total / (wide if part == WIDE else narrow)
+    ratio *= normal_correction(hit, wi) * total / (wide if part == WIDE else narrow)
     alive = _survive(path, vector(path.flux), weight, ratio, base)
     path.visibility = mesh.visible[hit.face]
     return alive, wi
@@ -280,24 +256,26 @@ def step_photons(
         base = FIRST_BOUNCE + _DIMENSIONS * path.steps
         path.steps += 1
         wi = vector(path.direction)
-        if not _arrive(path, hit, mesh, materials, lobes, shading, spare, base):
+        shadowless = not caustic and path.depth == 0 and not casts_shadow(lights, path.entry)
+        if not _arrive(path, hit, mesh, materials, lobes, shading, spare, base, shadowless):
             wide, narrow = lobe_weights(path, lobes)
             cos_g = dot(vector(hit.wo), vector(hit.ng))
             cos_s = dot(vector(hit.wo), vector(hit.ns))
-            ratio = min(_MOST_CORRECTION, cos_s / cos_g) if cos_g > 0.0 else 0.0
+            ratio = min(MOST_CORRECTION, cos_s / cos_g) if cos_g > 0.0 else 0.0
             if wide > 0.0 and ratio > 0.0 and path.visibility & _DIFFUSE_BIT:
                 if not caustic or path.depth > 0:
                     _store(photons[kept], hit, vector(path.flux), ratio)
                     order[kept] = path.index * most_depth + path.depth
                     kept += 1
-            if path.depth + 1 >= most_depth:
-                continue
-            living, wi = _bounce(
-                path, hit, mesh, materials, lobes, shading, spare, caustic, base, ratio
-            )
-            if not living:
-                continue
-            path.depth += 1
+            if not shadowless or not _shines_on(path, wide, base):
+                if path.depth + 1 >= most_depth:
+                    continue
+                living, wi = _bounce(
+                    path, hit, mesh, materials, lobes, shading, spare, caustic, base, ratio
+                )
+                if not living:
+                    continue
+                path.depth += 1
         if path.steps >= _MOST_STEPS or not max(vector(path.flux)) > 0.0:
             continue
         if alive != k:

@@ -41,6 +41,7 @@ class Flat(NamedTuple):
     groups: NDArray[np.void]  # GROUP
     materials: NDArray[np.void]
     lobes: NDArray[np.void]
+    bounces: Floats  # (lobes, 2, NODES, 3), factors for light between facets
     lamps: NDArray[np.void]
     emitter: Ints
     emitter_cdf: Floats
@@ -71,12 +72,13 @@ def flatten(scene: Scene) -> Flat:
     share = (strength * twice_area / 2)[emitter]
     if len(emitter):
         faces["density"][emitter] = strength[emitter] / share.sum()
-    materials, lobes = plain_tables(scene)
+    materials, lobes, bounces = plain_tables(scene)
     return Flat(
         faces=faces,
         groups=_groups(corners),
         materials=materials,
         lobes=lobes,
+        bounces=bounces,
         lamps=scene.lights,
         emitter=emitter.astype(np.int64),
         emitter_cdf=np.cumsum(share) / share.sum() if len(emitter) else np.zeros(0),

@@ -9,10 +9,11 @@ import math
 
 from ..jit import allocating_kernel as kernel
 from ..scene.tables import Model
+from .bounces import bounce_factor
 from .facets import eval_facets, eval_rough_diffuse, pdf_facets, sample_normal
 from .flat import Flat
 from .optics import mirrored
-from .vector import TWO_PI, Stream, Vec, dot, sample_cosine_power, scaled, uniform
+from .vector import TWO_PI, Stream, Vec, dot, sample_cosine_power, scaled, times, uniform
 
 _DIFFUSE, _PHONG = int(Model.DIFFUSE), int(Model.PHONG)
 _OREN_NAYAR, _GGX = int(Model.OREN_NAYAR), int(Model.GGX)
@@ -90,6 +91,7 @@ def eval_diffuse(s: Flat, material: int, d: Vec, ns: Vec, wi: Vec) -> Vec:
             f = (value, value, value)
         elif model == _GGX:
             f = eval_facets(s.lobes[lobe], d, ns, wi)
+            f = times(f, bounce_factor(s.bounces[lobe], True, -dot(d, ns)))
         elif model == _OREN_NAYAR:
             f = (
                 eval_rough_diffuse(s.lobes[lobe], d, ns, wi, 0),

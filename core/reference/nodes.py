@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..scene.scene import Scene, SceneError
 from ..scene.tables import LOBE, ClosureKind, Model
+from .bounces import bounces_of, no_bounces
 
 _MODELS = (
     (ClosureKind.DIFFUSE, Model.DIFFUSE),
@@ -21,26 +22,42 @@ _MODELS = (
 _BETWEEN_FACETS = (ClosureKind.GLOSSY, ClosureKind.GLASS)
 
 
-def plain_tables(scene: Scene) -> tuple[NDArray[np.void], NDArray[np.void]]:
+def plain_tables(
+    scene: Scene,
+) -> tuple[NDArray[np.void], NDArray[np.void], NDArray[np.float64]]:
     """Materials and lobes of ``scene`` with every closure turned into a lobe.
 
-    Raises ``SceneError`` for what the reference does not know: textures, layered nodes, and
-    the bounces between facets.
+    The third table (lobes, 2, NODES, 3) is that of ``bounces_of`` for each lobe. Raises
+    ``SceneError`` for what the reference does not know: textures and layered nodes, and
+    bounces between facets where glass lies in something else than air.
     """
+    plain = np.tile(no_bounces(), (len(scene.lobes), 1, 1, 1))
     if not len(scene.closures):
-        return scene.materials, scene.lobes
+        return scene.materials, scene.lobes, plain
     materials, lobes = scene.materials.copy(), [scene.lobes]
-    count = len(scene.lobes)
+    count, bounces = len(scene.lobes), [plain]
+    alone = int((scene.materials["ior"] > 0).sum()) == 1
     for material in materials:
         start, some = int(material["closure_start"]), int(material["closure_count"])
         if not some:
             continue
-        made = [_lobe(c) for c in scene.closures[start : start + some]]
-        rows = np.array([row for row in made if row is not None], LOBE)
+        closures = scene.closures[start : start + some]
+        made = [(c, row) for c in closures if (row := _lobe(c)) is not None]
+        rows = np.array([row for _, row in made], LOBE)
+        bounces += [_bounces(c, row, alone)[None] for c, row in made]
         material["lobe_start"], material["lobe_count"] = count, len(rows)
         count += len(rows)
         lobes.append(rows)
-    return materials, np.concatenate(lobes)
+    return materials, np.concatenate(lobes), np.concatenate(bounces)
+
+
+def _bounces(closure: np.void, row: np.void, alone: bool) -> NDArray[np.float64]:
+    """The table of one lobe; ``alone``: no other medium may lie around its glass."""
+    if closure["kind"] not in _BETWEEN_FACETS or closure["distribution"] != 1:
+        return no_bounces()
+    if closure["kind"] == ClosureKind.GLASS and not alone:
+        raise SceneError("the reference has light between facets for glass in air alone")
+    return bounces_of(row, closure["color"]["value"])
 
 
 def _lobe(closure: np.void) -> Any:
@@ -52,8 +69,6 @@ def _lobe(closure: np.void) -> Any:
     used += [f["param"] for f in closure["factors"][: closure["factor_count"]]]
     if model is None or any(p["texture"] >= 0 for p in used):
         raise SceneError(f"the reference renders no {kind.name} shader with these inputs")
-    if kind in _BETWEEN_FACETS and closure["distribution"] == 1:
-        raise SceneError("the reference has no light between facets: set distribution to 0")
     share = 1.0
     for given in closure["factors"][: closure["factor_count"]]:
         value = float(given["param"]["value"][0])

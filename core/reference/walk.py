@@ -8,6 +8,7 @@ import numpy as np
 
 from ..jit import allocating_kernel as kernel
 from ..scene.tables import Visibility
+from .bounces import bounce_factor
 from .brute import blocked, closest, shading_normal
 from .flat import Flat, Floats
 from .lamps import sample_lamp, seen_lamps
@@ -107,6 +108,7 @@ def walk(
             beta = times(beta, scaled(eval_diffuse(s, material, d, ns, wi), cosine / pdf))
             d = wi
         else:
+            cos_seen = -dot(d, ns)
             event, d, factor, tint = scatter_specular(
                 s, lobe, material, d, ng, ns, entering, stack, scratch, stream
             )
@@ -117,6 +119,7 @@ def walk(
             else:
                 return
             beta = times(beta, times(tint, vec(s.lobes[lobe].weight)))
+            beta = times(beta, bounce_factor(s.bounces[lobe], entering, cos_seen))
             chain += 1
         o, skip = p, face
 
