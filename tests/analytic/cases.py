@@ -304,8 +304,10 @@ CASES = (
     Case("ball lens", "E = S (1-F1)(1-F2) h dh / (rho drho)", ball_lens),
     Case("thin lens", "f = R / (2 (n - 1)), E by the ray Jacobian at 0.75 f", thin_lens),
     Case(
-        "nephroid", "E = S sin(e) R cos(phi) / |R cos(phi) - 2 s|, cusp at R / 2", nephroid_cup
-    ),  # fmt: skip
+        "nephroid",
+        "E = S sin(e) R cos(phi) / abs(R cos(phi) - 2 s), cusp at R / 2",
+        nephroid_cup,
+    ),
     Case("prism", "least deviation 2 asin(n sin(A / 2)) - A", prism),
     Case("water from above", "L = a S cos (1-F)(1-F') / (pi n^2)", water_from_above),
     Case("water from below", "L = a S cos (1-F) / pi", water_from_below),

@@ -12,8 +12,19 @@ from photon_map.core import Film, Settings, render
 from photon_map.core.scene.scene import Scene
 from photon_map.core.scene.tables import LightKind
 
+#: Deviations that the running test has measured, for docs/accuracy.md (``conftest.py``).
+NOTED: list[float] = []
 LIGHT = ("emission", "direct", "caustics", "indirect")
 Layers = dict[str, NDArray[np.float64]]
+
+
+def note(found: ArrayLike, expected: ArrayLike) -> None:
+    """Keep how far the mean of ``found`` is off that of what is ``expected``.
+
+    Relative to it, except where nothing is expected.
+    """
+    wanted = float(np.mean(expected))
+    NOTED.append(abs(float(np.mean(found)) - wanted) / (abs(wanted) or 1.0))
 
 
 def film_of(scene: Scene, **options: Any) -> Film:

@@ -6,13 +6,15 @@ import time
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 from photon_map.core import Settings
 from photon_map.core.photon_pass import Batch, trace_batch
 from photon_map.core.prepared import prepare
 from photon_map.core.scene.builder import SceneBuilder, dielectric, diffuse, mirror
 from photon_map.tests import scenes
-from photon_map.tests.stability.support import family, film_of, shot, standard_error
+from photon_map.tests.stability.support import family, film_of, note, shot, standard_error
+from photon_map.tests.stability.test_index import reflectance
 
 
 def mirror_room(floor: float, side: float = 1.0):
@@ -37,6 +39,7 @@ def test_a_mirror_box_gives_the_floor_all_its_light(albedo):
     expected = albedo / np.pi * 4 * np.pi / (4.0 * (1 - albedo))
     # The emission layer is the lamp itself, which is in the picture.
     means = (runs["total"] - runs["emission"]).mean(axis=(1, 2, 3))
+    note(means, expected)
     # Discs at the rim of the floor lose what lies beyond it: boundary bias of 3 %.
     assert abs(means.mean() - expected) < 5.4 * standard_error(means) + 0.03 * expected
     assert means.mean() > expected * 0.97
@@ -62,6 +65,7 @@ def test_a_glowing_mirror_box_sums_its_series():
                b.add_material("m", [mirror(0.8)], emission=1.0))  # fmt: skip
     b.set_camera(scenes.camera((0.2, 0.1, 0), (1, 0.3, 0.4), 8, 8))
     found = shot(b.build(), camera_depth=1024)["emission"]
+    note(found, 1 / (1 - 0.8))
     # Paths end below a throughput of 1e-4.
     np.testing.assert_allclose(found, 1 / (1 - 0.8), rtol=2e-4)
 
@@ -86,6 +90,7 @@ def test_a_gem_in_a_white_furnace(depth):
     b.set_world(1.0)
     b.set_camera(scenes.camera((0, -3, 2), (0, 0, 0), 16, 16))
     found = shot(b.build(), passes=32, camera_depth=depth)["emission"]
+    note(found, 1.0)
     assert found.max() < 1 + 1e-5
     # 64 bounces leave out the paths that are still inside: totally reflected ones.
     assert found.mean() > (1 - 1e-6 if depth == 1024 else 0.995)
@@ -106,8 +111,57 @@ def test_a_gem_lets_out_all_photons():
         walk = trace_batch(prepared, settings, i, Batch(False, 0, 8192, 8192))
         absorbed.append(0.5 * walk.photons["flux"][:, 0].sum(dtype=np.float64))
     found, error = np.mean(absorbed), np.std(absorbed, ddof=1) / np.sqrt(8)
+    note(found, 4 * np.pi)
     assert abs(found - 4 * np.pi) < 5.4 * error
     assert error < 0.01 * found
+
+
+#: A bar of glass 10 m long in which light is totally reflected 64 times.
+BAR, WIDTH, REFLECTIONS, INDEX = 10.0, 0.1, 64, 1.5
+_INSIDE = np.arctan(REFLECTIONS * WIDTH / BAR)
+_OUTSIDE = np.arcsin(INDEX * np.sin(_INSIDE))
+#: What passes both ends once; 80 events are too few to come back from the far end.
+PASSED = (1 - reflectance(_OUTSIDE, INDEX)) ** 2
+DEPTH = 80
+
+
+def light_guide(screen_lobes, glow=0.0):
+    """The bar along x, and behind its far end a screen."""
+    b = SceneBuilder("light guide")
+    h = WIDTH / 2
+    glass = b.add_material("glass", [dielectric(INDEX)])
+    b.add_mesh("bar", *scenes.box((0, -h, -h), (BAR, h, h)), glass)
+    x = BAR + 1
+    screen = scenes.quad((x, -3, -3), (x, -3, 3), (x, 3, 3), (x, 3, -3))
+    b.add_mesh("screen", *screen, b.add_material("screen", screen_lobes, emission=glow))
+    return b, np.array([np.cos(_OUTSIDE), 0.0, -np.sin(_OUTSIDE)])
+
+
+def test_64_total_reflections_of_a_view_lose_nothing():
+    b, beam = light_guide([], glow=1.0)
+    b.set_camera(scenes.camera(-beam, (0, 0, 0), 2, 2, up=(0, 1, 0), fov=1e-6))
+    found = shot(b.build(), passes=1024, camera_depth=DEPTH)["emission"].mean()
+    note(found, PASSED)
+    # 4096 paths that pass or not; level 0.001.
+    low, high = binom.ppf((0.0005, 0.9995), 4096, PASSED) / 4096
+    assert low - 1e-5 <= found <= high + 1e-5
+
+
+def test_64_total_reflections_of_photons_lose_nothing():
+    b, beam = light_guide([diffuse(0.5)])
+    half_angle, intensity, emitted = 1e-4, 1e9, 40_000
+    matrix = scenes.look_at(-0.5 * beam, (0, 0, 0))
+    b.add_spot_light("beam", matrix, intensity, half_angle)
+    b.set_camera(scenes.camera((BAR, -2, 0), (BAR + 1, 0, -1), 4, 4))
+    settings = Settings(photon_depth=DEPTH)
+    walk = trace_batch(
+        prepare(b.build(), settings), settings, 0, Batch(False, 0, emitted, emitted)
+    )
+    power = 4 * np.pi * intensity * np.sin(half_angle / 2) ** 2
+    found = walk.photons["flux"][:, 0].sum(dtype=np.float64) / power
+    note(found, PASSED)
+    low, high = binom.ppf((0.0005, 0.9995), emitted, PASSED) / emitted
+    assert low - 1e-5 <= found <= high + 1e-5
 
 
 def test_albedo_1_stays_finite_and_bounded():
@@ -121,6 +175,7 @@ def test_albedo_1_stays_finite_and_bounded():
     found = shot(b.build(), photon_depth=depth)
     # E of the n-th flight is 4 pi I / A; the gather reaches ``depth`` of them.
     each = 4 * np.pi / 24 / np.pi
+    note(found["indirect"], depth * each)
     assert found["indirect"].mean() == pytest.approx(depth * each, rel=0.1)
 
 
@@ -131,4 +186,6 @@ def test_white_paint_in_a_white_furnace_is_white():
     b.set_world(1.0)
     b.set_camera(scenes.camera((0, -3, 0.3), (0, 0, 0), 8, 8))
     # A convex body sees nothing but the sky.
-    np.testing.assert_allclose(shot(b.build())["total"].mean(), 1.0, rtol=1e-5)
+    found = shot(b.build())["total"]
+    note(found, 1.0)
+    np.testing.assert_allclose(found.mean(), 1.0, rtol=1e-5)

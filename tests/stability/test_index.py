@@ -7,7 +7,7 @@ import pytest
 
 from photon_map.core.scene.builder import SceneBuilder, dielectric, diffuse
 from photon_map.tests import scenes
-from photon_map.tests.stability.support import family, shot, standard_error
+from photon_map.tests.stability.support import family, note, shot, standard_error
 
 INDICES = [1.0, 1.0 - 1e-6, 1.0 + 1e-6, 0.2, 4.0]
 
@@ -37,6 +37,7 @@ def test_sun_through_a_slab(n, theta):
     runs = family(b.build(), photons_caustic=16384)
     expected = 0.8 / np.pi * 3 * np.cos(theta) * transmittance(theta, n)
     means = runs["caustics"].mean(axis=(1, 2, 3))
+    note(means, expected)
     # 5.4 sigma at 7 degrees of freedom: 0.001.
     assert abs(means.mean() - expected) <= 5.4 * standard_error(means) + 1e-6 * expected
     assert standard_error(means) <= 0.02 * expected
@@ -51,6 +52,7 @@ def test_a_ball_in_a_white_furnace_vanishes(n):
     b.set_world(1.0)
     b.set_camera(scenes.camera((0, -3, 0.3), (0, 0, 0), 12, 12))
     found = shot(b.build(), camera_depth=1024)["emission"]
+    note(found, 1.0)
     np.testing.assert_allclose(found, 1.0, rtol=1e-5)
 
 
@@ -62,6 +64,7 @@ def test_inside_a_medium_radiance_is_n_squared(n):
     b.set_world(1.0)
     b.set_camera(scenes.camera((0.1, -0.2, 0.05), (0, 0, 0), 8, 8))
     found = shot(b.build(), camera_depth=1024)["emission"]
+    note(found, n * n)
     np.testing.assert_allclose(found, n * n, rtol=1e-5)
 
 
@@ -81,6 +84,7 @@ def test_a_body_of_index_1_changes_no_light(n):
     assert runs["caustics"].mean() > 0.3 * runs["total"].mean()
     total = runs["total"].mean(axis=(1, 2, 3))
     expected = scenes.floor_mean(scene, radiance).mean()
+    note(total, expected)
     # Light that the floor scatters up and the body's lid sends back is none: F is 0.
     # The disc blurs the edge of the shadow, whose light neither gains nor loses in sum,
     # but caustics are seen through the body, too: 0.3 % is the step of the image's border.

@@ -9,7 +9,7 @@ import pytest
 
 from photon_map.core.scene.builder import SceneBuilder, dielectric, diffuse
 from photon_map.tests import scenes
-from photon_map.tests.stability.support import LIGHT, moved, shot
+from photon_map.tests.stability.support import LIGHT, moved, note, shot
 
 
 def all_layers(size: int = 12):
@@ -29,6 +29,7 @@ def compare(a, b, share):
     """Same seed, same random numbers: only paths that meet an edge may differ."""
     for name in LIGHT:
         x, y = a[name], b[name]
+        note(x, y)
         assert abs(x.mean() / y.mean() - 1) < share, name
         # Root mean square difference over the image, relative to its root mean square.
         rms = np.sqrt(((x - y) ** 2).mean() / (y**2).mean())
@@ -75,6 +76,7 @@ def test_caustic_of_a_lens_of_1_cm_in_a_scene_of_1_km(at):
     large = shot(lens_floor(1000.0, at), passes=16)
     for name in ("caustics", "direct"):
         found, expected = large[name], small[name]
+        note(found, expected)
         assert found.mean() == pytest.approx(expected.mean(), rel=0.01), name
         rms = np.sqrt(((found - expected) ** 2).mean() / (expected**2).mean())
         assert rms < 0.05, name
