@@ -24,6 +24,13 @@ def diffuse_room(stage: Any) -> None:
     room(stage)
 
 
+@case("diffuse room, a plate under its lamp, which casts no shadows", passes=64, samples=128)
+def shadowless_room(stage: Any) -> None:
+    room(stage)
+    stage.square(stage.diffuse(0.5, 0.5, 0.5), 0.8, (0.0, 0.0, 1.3))
+    stage.scene.objects["Lamp"].data.use_shadow = False
+
+
 @case("room with a mirror ball and a diffuse cube", passes=64, samples=256)
 def mirror_room(stage: Any) -> None:
     room(stage)
