@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .diagnosis import Finding, why_no_caustic
     from .film.film import Film
     from .plan import Plan
     from .renderer import render
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "CameraData": ".scene.camera_data",
     "Film": ".film.film",
+    "Finding": ".diagnosis",
     "Plan": ".plan",
     "Scene": ".scene.scene",
     "SceneBuilder": ".scene.builder",
@@ -32,11 +34,13 @@ _HOMES = {
     "Update": ".update",
     "completed": ".report",
     "render": ".renderer",
+    "why_no_caustic": ".diagnosis",
 }
 
 __all__ = [
     "CameraData",
     "Film",
+    "Finding",
     "Plan",
     "Scene",
     "SceneBuilder",
@@ -46,6 +50,7 @@ __all__ = [
     "Update",
     "completed",
     "render",
+    "why_no_caustic",
 ]
 
 

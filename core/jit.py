@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -29,6 +30,8 @@ from numpy.typing import NDArray
 Table: TypeAlias = NDArray[Any]
 Row: TypeAlias = Any
 
+#: A file in the cache folder.
+_COMPILED = "compiled"
 _KEEP_SECONDS = 14 * 24 * 3600.0
 
 
@@ -71,6 +74,17 @@ def cache_folder() -> str:
         # A read-only home must not stop a render: it only compiles again next time.
         return tempfile.mkdtemp(prefix="photon_map_kernels_")
     return str(folder)
+
+
+def has_compiled() -> bool:
+    """Whether a render has compiled all kernels that it takes, in this version."""
+    return (Path(cache_folder()) / _COMPILED).exists()
+
+
+def set_compiled() -> None:
+    """Remember that the kernels of a render are in the cache."""
+    with suppress(OSError):  # a full disk must not stop a render
+        (Path(cache_folder()) / _COMPILED).touch()
 
 
 def _remove_unused(root: Path, current: Path) -> None:

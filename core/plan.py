@@ -8,7 +8,7 @@ import numpy as np
 
 from .photons.casters import caster_strength, receiver_materials
 from .scene.scene import Scene
-from .scene.tables import LightKind
+from .scene.tables import LightKind, Visibility
 from .settings import Settings
 
 
@@ -62,7 +62,10 @@ class _Facts:
         self.faces = len(scene.faces)
         casts = (caster_strength(scene) > 0) & used
         casting = np.isin(scene.face_material, np.flatnonzero(casts))
-        self.casters = [scene.object_names[k] for k in np.unique(scene.face_object[casting])]
+        found = np.unique(scene.face_object[casting])
+        off = scene.object_visibility[found] & Visibility.CASTS_NONE != 0
+        self.casters = [scene.object_names[k] for k in found[~off]]
+        self.casters_off = int(off.sum())
         self.media = int(((scene.materials["ior"] > 0) & used).sum())
         self.receives = bool((receiver_materials(scene) & used).any())
         warnings = []
@@ -106,7 +109,10 @@ def _caustics(scene: Scene, facts: _Facts, settings: Settings) -> Stage:
     if facts.lights == 0:
         return Stage("caustics", False, "no light")
     if not facts.casters:
-        return Stage("caustics", False, "no surface reflects or refracts sharply")
+        reason = "no surface reflects or refracts sharply"
+        if facts.casters_off:
+            reason = f"casting is switched off for all {facts.casters_off} casters"
+        return Stage("caustics", False, reason)
     if not facts.receives:
         return Stage("caustics", False, "no surface for a caustic to fall on")
     if settings.photons_caustic == 0:

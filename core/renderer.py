@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
 from .film.film import Film
+from .jit import has_compiled, set_compiled
 from .photon_pass import Batch, photon_batches, photon_maps, pilot_radii, trace_batch
 from .pilot import Radii
 from .plan import Plan
@@ -22,6 +23,9 @@ from .settings import Settings
 from .update import Phase, Update
 
 _T = TypeVar("_T")
+
+#: What the first render with a version of the kernels says.
+COMPILING = "Compiling the kernels: a minute or two, once after each installation"
 
 #: Longest silence between two updates [s].
 SILENCE = 0.1
@@ -52,7 +56,7 @@ class _Render:
         self.settings = settings
         self.region = region
         self.plan = Plan.of(scene, settings)
-        self.film = Film(region.width, region.height)
+        self.film = Film(region.width, region.height, settings.exposure)
         self.pool = ThreadPoolExecutor(settings.thread_count, "photon_map")
         self.stop = threading.Event()
         self.begin = time.perf_counter()
@@ -65,6 +69,7 @@ class _Render:
 
     def updates(self) -> Iterator[Update]:
         """All phases."""
+        pilot = "pilot pass" if has_compiled() else COMPILING
         try:
             yield self._update("setup", "building the scene")
             prepared = yield from self._watch(
@@ -76,13 +81,14 @@ class _Render:
             )
             radii = yield from self._watch(
                 self.pool.submit(pilot_radii, prepared, self.settings, self.region, batches),
-                "pilot pass (compiles the kernels when they are new)",
+                pilot,
             )
             yield from self._watch(
                 self.pool.submit(self._warm_up, prepared, radii, batches),
-                "pilot pass (compiles the kernels when they are new)",
+                pilot,
             )
             self.compiling = False
+            set_compiled()
             self.render_begin = time.perf_counter()
             yield from self._passes(prepared, radii, batches)
             yield self._update("done", "")

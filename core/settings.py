@@ -29,6 +29,7 @@ class Settings:
     each place where a camera path ends; depths count surface interactions.
     ``min_throughput``: camera paths that carry less are ended. ``region`` is
     (x0, y0, x1, y1) in pixels, row 0 at the bottom, None for the whole image.
+    ``exposure`` is a factor on the light of the film's layers.
     ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
     at a time) changes a bit of the result.
     """
@@ -49,6 +50,7 @@ class Settings:
     pixel_filter: PixelFilter = "BLACKMAN_HARRIS"
     filter_width: float = 1.5
     transparent: bool = False
+    exposure: float = 1.0
     region: tuple[int, int, int, int] | None = None
     chunk_size: int = 8192
 
@@ -96,5 +98,6 @@ _RANGES: dict[str, tuple[float, float]] = {
     "caustic_radius": (0.1, 1000),
     "alpha": (0.01, 1),
     "filter_width": (0.01, 100),
+    "exposure": (0, 10),
     "chunk_size": (1, 10_000_000),
 }

@@ -55,9 +55,10 @@ class Film:
         "albedo": 3,
     }
 
-    def __init__(self, width: int, height: int) -> None:
+    def __init__(self, width: int, height: int, exposure: float = 1.0) -> None:
         self.width = width
         self.height = height
+        self.exposure = exposure
         self.statistics = RenderStatistics()
         count = width * height
         self._sum = np.zeros((count, COLUMNS))
@@ -110,8 +111,9 @@ class Film:
     def resolve(self, layer: str) -> NDArray[np.float32]:
         """The mean of a layer: (height, width, channels) float32, bottom row first.
 
-        Light is radiance [W/(m^2 sr)], alpha premultiplied; depth is metres along the
-        camera's axis, ``NOTHING_DEPTH`` where nothing was hit; normals are world space.
+        Light is radiance [W/(m^2 sr)] times ``exposure``, alpha premultiplied; depth is
+        metres along the camera's axis, ``NOTHING_DEPTH`` where nothing was hit; normals are
+        world space.
         """
         if layer not in self.LAYERS:
             raise ValueError(f"no layer '{layer}'; there are {', '.join(self.LAYERS)}")
@@ -120,6 +122,7 @@ class Film:
         if layer == "combined":
             out = np.empty((len(count), 4))
             out[:, :3] = sum(self._of(name) for name in LIGHT_LAYERS)
+            out[:, :3] *= self.exposure
             out[:, 3:] = self._of("alpha")
             out /= count
         elif layer == "depth":
@@ -128,6 +131,8 @@ class Film:
             out = self._of(layer) / np.maximum(hit, 1)
         else:
             out = self._of(layer) / count
+            if layer in LIGHT_LAYERS:
+                out *= self.exposure
         shape = (self.height, self.width, self.LAYERS[layer])
         return np.ascontiguousarray(out.reshape(shape), dtype=np.float32)
 

@@ -94,9 +94,10 @@ def light_set(scene: Scene, mesh: Mesh, centre: Centre) -> LightSet:
     tree = light_tree(lamps["position"], half_sizes(lamps), strength, local)
     discs = (lamps["kind"] == LightKind.SUN) & (lamps["angle"] > 0)
     suns = np.flatnonzero(discs).astype(np.int32)
+    photon_cdf = photon_shares(power * photon_factors(scene))
     return LightSet(
         lamps, emitters, world, centre.radius, place, size, strength,
-        distant, power, photon_shares(power), tree, _choices(tree), suns,
+        distant, power, photon_cdf, tree, _choices(tree), suns,
     )  # fmt: skip
 
 
@@ -115,6 +116,11 @@ def _choices(tree: LightTree) -> NDArray[np.int32]:
     if len(tree.leaf) <= FEW:
         return np.arange(len(tree.leaf), dtype=np.int32)
     return np.flatnonzero(tree.leaf < 0).astype(np.int32)
+
+
+def photon_factors(scene: Scene) -> NDArray[np.float64]:
+    """What the numbers of photons of all entries (N+2,) are multiplied by."""
+    return np.append(scene.light_photons, (1.0, 1.0))
 
 
 def photon_shares(weight: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from ..geometry.mesh import Mesh
 from ..geometry.vector import Vector, along, dot, read, scale, subtract, to_world
 from ..jit import Table, kernel
-from ..lights.light_set import LightSet, photon_shares
+from ..lights.light_set import LightSet, photon_factors, photon_shares
 from ..sampling.warps import one_minus_cos, sample_cone, sample_disk
 from ..scene.scene import Scene
+from ..scene.tables import Visibility
 from .casters import caster_strength
 
 #: Most spheres in use; more casters than that are merged by nearness.
@@ -39,14 +40,17 @@ class Aim(NamedTuple):
 def aim_at(scene: Scene, mesh: Mesh, lights: LightSet) -> Aim:
     """Bound the casters and share the photons out by what each light sends their way."""
     strength = caster_strength(scene)
-    faces = np.flatnonzero(strength[mesh.material] > 0) if len(strength) else np.zeros(0, int)
+    casts = (mesh.visible & Visibility.CASTS_NONE) == 0
+    faces = np.flatnonzero(casts)
+    faces = faces[strength[mesh.material[faces]] > 0] if len(strength) else faces[:0]
     spheres: list[NDArray[np.float64]] = []
     for object_id in np.unique(scene.face_object[faces]):
         own = faces[scene.face_object[faces] == object_id]
         strong = strength[mesh.material[own]].max()
         spheres += [np.array([*sphere, strong]) for sphere in _bound(mesh, own)]
     table = _merge(np.array(spheres).reshape(-1, 5))
-    return Aim(table, photon_shares(_useful_power(lights, table)))
+    useful = _useful_power(lights, table) * photon_factors(scene)
+    return Aim(table, photon_shares(useful))
 
 
 def _sphere(points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -33,6 +33,8 @@ PHOTON = np.dtype(
 
 _DIFFUSE_BIT = int(Visibility.DIFFUSE)
 _SHADOW_BIT = int(Visibility.SHADOW)
+_CASTS_NONE = int(Visibility.CASTS_NONE)
+_SHOWS_NONE = int(Visibility.SHOWS_NONE)
 _DIMENSIONS = 8  # random numbers a step may use
 _CHOICE, _SURVIVAL, _LOBE, _U, _V, _PASS, _ON = range(7)
 #: Surfaces that a photon may meet, those it goes straight through included.
@@ -263,12 +265,15 @@ def step_photons(
             cos_s = dot(vector(hit.wo), vector(hit.ns))
             ratio = min(MOST_CORRECTION, cos_s / cos_g) if cos_g > 0.0 else 0.0
             if wide > 0.0 and ratio > 0.0 and path.visibility & _DIFFUSE_BIT:
-                if not caustic or path.depth > 0:
+                shows = (mesh.visible[hit.face] & _SHOWS_NONE) == 0
+                if not caustic or (path.depth > 0 and shows):
                     _store(photons[kept], hit, vector(path.flux), ratio)
                     order[kept] = path.index * most_depth + path.depth
                     kept += 1
             if not shadowless or not _shines_on(path, wide, base):
                 if path.depth + 1 >= most_depth:
+                    continue
+                if caustic and mesh.visible[hit.face] & _CASTS_NONE:
                     continue
                 living, wi = _bounce(
                     path, hit, mesh, materials, lobes, shading, spare, caustic, base, ratio

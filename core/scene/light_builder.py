@@ -34,6 +34,7 @@ class LightBuilder:
     def __init__(self) -> None:
         self._lights: list[Any] = []
         self._light_names: list[str] = []
+        self._light_photons: list[float] = []
         self._world = np.zeros(3)
         self._world_map = np.zeros((0, 0, 3), np.float32)
         self._world_rotation = np.eye(3)
@@ -50,7 +51,8 @@ class LightBuilder:
     ) -> None:
         """A point or sphere of ``radius`` with radiant ``intensity`` [W/sr] per channel.
 
-        ``others``, here and below: more fields of ``tables.LIGHT``, such as ``soft``.
+        ``others``, here and below: more fields of ``tables.LIGHT``, such as ``soft``, and
+        ``photons``, a factor on how many leave the lamp.
         """
         self._add_light(
             name, LightKind.POINT, np.eye(3), position, intensity, visibility,
@@ -126,6 +128,7 @@ class LightBuilder:
         position: ArrayLike,
         emission: ArrayLike,
         visibility: Visibility,
+        photons: float = 1.0,
         **shape: float,
     ) -> None:
         row = np.zeros((), LIGHT)
@@ -145,6 +148,7 @@ class LightBuilder:
             row[field_name] = value
         self._lights.append(row)
         self._light_names.append(name)
+        self._light_photons.append(photons)
 
     def set_world(
         self,
@@ -169,6 +173,7 @@ class LightBuilder:
         return {
             "lights": np.array(self._lights, dtype=LIGHT),
             "light_names": tuple(self._light_names),
+            "light_photons": np.array(self._light_photons, np.float64),
             "world": self._world.copy(),
             "world_map": np.ascontiguousarray(self._world_map),
             "world_rotation": self._world_rotation.copy(),

@@ -44,6 +44,8 @@ class Scene:
     texels8         (N, 4) uint8, texels32 (N, 4) float32: what the images show
     uvs             (K, F, 3, 2) float32 texture coordinates of K sets, per face corner
     lights          (N,) ``tables.LIGHT``: the lamps; emissive faces come by material
+    light_photons   (N,) float64 factors above 0 on each lamp's number of photons; the light
+                    stays the same, its noise does not
     world           (3,) float64 radiance of the surroundings, or what ``world_map`` is times
     world_map       (h, w, 3) float32 seen all around, equirectangular: columns by
                     0.5 - atan2(y, x) / (2 pi), rows from straight down to straight up
@@ -82,6 +84,7 @@ class Scene:
         default_factory=lambda: np.array([int(Visibility.ALL)], np.int32)
     )
     object_visibility: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    light_photons: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     object_names: tuple[str, ...] = ()
     material_names: tuple[str, ...] = ()
     light_names: tuple[str, ...] = ()
@@ -92,6 +95,8 @@ class Scene:
         if len(self.object_visibility) == 0:
             seen = np.full(len(self.object_names), int(Visibility.ALL), np.int32)
             object.__setattr__(self, "object_visibility", seen)
+        if len(self.light_photons) == 0:
+            object.__setattr__(self, "light_photons", np.ones(len(self.lights)))
         check_scene(self)
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
@@ -110,6 +115,7 @@ def check_scene(scene: Scene) -> None:
         "materials": ((len(scene.material_names),), MATERIAL),
         "lobes": ((len(scene.lobes),), LOBE),
         "lights": ((len(scene.light_names),), LIGHT),
+        "light_photons": ((len(scene.light_names),), np.dtype("f8")),
         "world": ((3,), np.dtype("f8")),
         "world_map": ((*scene.world_map.shape[:2], 3), np.dtype("f4")),
         "world_rotation": ((3, 3), np.dtype("f8")),
@@ -209,6 +215,9 @@ def _check_materials(scene: Scene) -> None:
 
 
 def _check_lights(scene: Scene) -> None:
+    factors = scene.light_photons
+    if not (np.isfinite(factors).all() and (factors > 0).all()):
+        raise SceneError(f"scene '{scene.name}': light_photons must be above 0")
     for row, name in zip(scene.lights, scene.light_names, strict=True):
         if row["kind"] not in list(LightKind):
             raise SceneError(f"light '{name}': unknown kind {row['kind']}")

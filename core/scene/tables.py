@@ -96,7 +96,10 @@ class LightKind(IntEnum):
 
 
 class Visibility(IntFlag):
-    """Which rays see an object, or the shape of a lamp (a lamp never blocks a ray)."""
+    """Which rays see an object, or the shape of a lamp (a lamp never blocks a ray).
+
+    The last two are no rays: an object that casts no caustics, and one that shows none.
+    """
 
     CAMERA = 1
     DIFFUSE = 2
@@ -104,6 +107,8 @@ class Visibility(IntFlag):
     TRANSMISSION = 8
     SHADOW = 16
     ALL = 31
+    CASTS_NONE = 32
+    SHOWS_NONE = 64
 
 
 #: One scattering lobe. ``weight`` is its albedo per channel, mix factors included; ``ior``

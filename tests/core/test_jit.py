@@ -6,6 +6,7 @@ import subprocess
 import sys
 import textwrap
 
+from photon_map.core import jit
 from photon_map.core.jit import fingerprint
 
 
@@ -52,3 +53,18 @@ def test_the_fingerprint_follows_every_source(tmp_path):
     assert fingerprint(tmp_path) == first
     (tmp_path / "b.py").write_text("")
     assert fingerprint(tmp_path) != first
+
+
+def test_only_the_first_render_has_nothing_compiled(tmp_path, monkeypatch):
+    monkeypatch.setattr(jit, "cache_folder", lambda: str(tmp_path))
+    assert not jit.has_compiled()
+    (tmp_path / "a kernel.nbi").touch()
+    assert not jit.has_compiled()
+    jit.set_compiled()
+    assert jit.has_compiled()
+
+
+def test_a_cache_that_cannot_be_written_stops_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(jit, "cache_folder", lambda: str(tmp_path / "missing"))
+    jit.set_compiled()
+    assert not jit.has_compiled()

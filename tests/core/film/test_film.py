@@ -36,6 +36,17 @@ def test_merged_films_are_the_film_of_all_passes():
     assert first.relative_error() == pytest.approx(together.relative_error(), rel=1e-9)
 
 
+def test_exposure_scales_light_and_nothing_else():
+    film = filled(np.random.default_rng(3), 2)
+    plain = {layer: film.resolve(layer) for layer in Film.LAYERS}
+    film.exposure = 2.5
+    for layer in Film.LAYERS:
+        factor = np.ones(Film.LAYERS[layer])
+        if layer in ("combined", "emission", "direct", "caustics", "indirect"):
+            factor[:3] = 2.5
+        np.testing.assert_allclose(film.resolve(layer), factor * plain[layer], rtol=1e-6)
+
+
 def test_films_of_other_sizes_are_refused():
     with pytest.raises(ValueError, match="merged"):
         Film(2, 2).merge(Film(3, 2))
