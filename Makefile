@@ -2,6 +2,8 @@
 #   make render BLEND=path/to/file.blend      make PYTHON=python3.13 test
 
 PYTHON ?=
+# A Blender's executable, for `make acceptance`.
+BLENDER ?= blender
 BLEND ?= sample_blends/cornell_corridor.blend
 # More arguments for `photonmap render` or pytest.
 ARGS ?=
@@ -11,7 +13,7 @@ BIN := .venv/bin
 PYTEST := python -m pytest -n 2 --dist loadfile
 
 .PHONY: help env env-core bpy render test test-slow test-core accuracy bench bench-quick lint \
-	samples clean
+	extension acceptance samples clean
 
 help:
 	@echo "make render [BLEND=file.blend]  render it to renders/*.png and *.exr"
@@ -22,6 +24,8 @@ help:
 	@echo "make bench                      speed against error (under 30 minutes): docs/benchmarks.md"
 	@echo "make bench-quick                a part of it (under 5 minutes)"
 	@echo "make lint                       ruff and mypy"
+	@echo "make extension                  dist/*.zip for Blender: one a platform and Python"
+	@echo "make acceptance BLENDER=path    install and try the fitting one in that Blender"
 	@echo "make samples                    build sample_blends/*.blend again (Python 3.11)"
 	@echo "make clean                      remove everything that make made"
 	@echo "PYTHON=python3.13 chooses the Python, ARGS='...' adds arguments to the command."
@@ -74,6 +78,13 @@ bench bench-quick:
 	@.venv-bench/bin/python -m photon_map.blender_libraries
 	@.venv-bench/bin/python benchmarks/speed.py \
 		$(if $(filter bench,$@),--docs docs,--quick) $(ARGS)
+
+# ARGS='--only linux-x64-cp313' builds that one only; wheels/ keeps what was downloaded.
+extension: env
+	@$(BIN)/python tools/extension.py $(ARGS)
+
+acceptance: bpy
+	@$(BIN)/python tools/acceptance.py "$(BLENDER)" $(ARGS)
 
 # bpy 4.2 writes files that Blender 4.2 to 5.2 open.
 samples:

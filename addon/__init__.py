@@ -8,21 +8,25 @@ from __future__ import annotations
 
 import bpy
 
-from . import properties, ui
+from . import insight, operators, properties, ui
 from .engine import PhotonMapEngine
 
 
 def register() -> None:
-    """Register properties, panels and the engine."""
+    """Register properties, operators, panels and the engine."""
     properties.register()
+    operators.register()
     ui.register()
+    insight.register()
     bpy.utils.register_class(PhotonMapEngine)
 
 
 def unregister() -> None:
     """Undo ``register`` in reverse order."""
     bpy.utils.unregister_class(PhotonMapEngine)
+    insight.unregister()
     ui.unregister()
+    operators.unregister()
     properties.unregister()
 
 

@@ -11,7 +11,9 @@ import numpy as np
 
 from .export.scene import ExportCancelledError, export_scene
 from .export.settings import export_settings
+from .insight import remember
 from .job import CURRENT
+from .kernel_cache import use_extension_folder
 from .passes import active_passes, pass_name
 from .report import ExportError, ExportLog
 
@@ -55,6 +57,8 @@ def render_final(engine: Any, depsgraph: Any) -> None:
         write_nothing(engine, view_layer)
         return
     write_film(engine, last.film, view_layer)
+    if not engine.is_preview:
+        remember(depsgraph.scene, last.plan, log.messages, result_line(last))
     bad = last.film.statistics.non_finite
     tell(engine, [f"{bad} samples were not finite and are black"] if bad else [])
 
@@ -78,6 +82,7 @@ def tell(engine: Any, warnings: Sequence[str]) -> None:
 
 def _core_render(scene: Scene, settings: Settings) -> Generator[Update, None, None]:
     """Start the core; its heavy imports (numba, scipy, embreex) happen here."""
+    use_extension_folder()
     try:
         from ..core import render
     except ImportError as error:
@@ -139,6 +144,15 @@ def write_film(engine: Any, film: Film, view_layer: Any) -> None:
 def write_nothing(engine: Any, view_layer: Any) -> None:
     """Leave an empty result: Blender crashes when it writes a multilayer EXR without one."""
     engine.end_result(engine.begin_result(0, 0, 1, 1, layer=view_layer.name))
+
+
+def result_line(update: Update) -> str:
+    """How a render ended, for the panel."""
+    parts = [f"{update.passes} passes", f"{update.seconds:.1f} s"]
+    if update.passes >= 2 and update.relative_error < float("inf"):
+        parts.append(f"relative error {100 * update.relative_error:.2f} %")
+    parts.append(f"{update.film.statistics.rays / 1e6:.1f} million rays")
+    return ", ".join(parts)
 
 
 def stats_line(layer: str, update: Update, fraction: float) -> str:

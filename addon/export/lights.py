@@ -50,6 +50,7 @@ def add_light(
     others = {
         "soft": bool(getattr(light, "use_soft_falloff", False)),
         "shadow": bool(light.use_shadow),
+        "photons": float(light.photon_map.photons),
     }
     if light.type in ("POINT", "SPOT"):
         radius = float(light.shadow_soft_size)

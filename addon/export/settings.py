@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.settings import Settings
+from ...core.settings import AUTOMATIC, Settings
 from .scene import image_size
 
 #: Properties of ``Scene.photon_map`` that are fields of ``Settings`` of the same name.
@@ -16,9 +16,6 @@ FIELDS = (
     "seconds",
     "error_goal",
     "seed",
-    "threads",
-    "photons_global",
-    "photons_caustic",
     "gather_rays",
     "camera_depth",
     "photon_depth",
@@ -26,12 +23,16 @@ FIELDS = (
     "caustic_radius",
     "alpha",
     "pixel_filter",
+    "exposure",
 )
 
 
 def export_settings(scene: Any, overrides: Mapping[str, Any]) -> Settings:
     """Settings of ``scene``; ``overrides`` win. Raises ``SettingsError``."""
     values = {name: getattr(scene.photon_map, name) for name in FIELDS}
+    values.update(_photons(scene.photon_map))
+    render = scene.render
+    values["threads"] = render.threads if render.threads_mode == "FIXED" else 0
     values["filter_width"] = scene.render.filter_size
     if {**values, **overrides}["pixel_filter"] == "BOX":
         # As in Cycles: the stock width is one for filters with tails.
@@ -40,6 +41,13 @@ def export_settings(scene: Any, overrides: Mapping[str, Any]) -> Settings:
     values["region"] = border_region(scene)
     values.update(overrides)
     return Settings(**values)
+
+
+def _photons(own: Any) -> dict[str, int]:
+    """Photons a pass, by hand or automatic."""
+    if own.photons_automatic:
+        return {"photons_caustic": AUTOMATIC, "photons_global": AUTOMATIC}
+    return {name: getattr(own, name) for name in ("photons_caustic", "photons_global")}
 
 
 def border_region(scene: Any) -> tuple[int, int, int, int] | None:

@@ -1,4 +1,4 @@
-"""Which rays see an object: its own switches, and those of its collections."""
+"""Which rays see an object: its own switches, those of its collections, and its caustics."""
 
 from __future__ import annotations
 
@@ -27,4 +27,9 @@ def object_visibility(obj: Any, layer: Any = None) -> Visibility:
             seen |= bit
     if layer is not None and obj.original.indirect_only_get(view_layer=layer):
         seen &= ~Visibility.CAMERA
+    own = obj.original.photon_map
+    if not own.casts_caustics:
+        seen |= Visibility.CASTS_NONE
+    if not own.shows_caustics:
+        seen |= Visibility.SHOWS_NONE
     return seen

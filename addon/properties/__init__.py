@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import bpy
 
+from .light import PhotonMapLightProperties
 from .material import PhotonMapMaterialProperties
+from .object import PhotonMapObjectProperties
 from .scene import PhotonMapSceneProperties
 from .view_layer import PhotonMapViewLayerProperties
 
 #: ID type, property group: each is found at ``<ID>.photon_map``.
 GROUPS = (
     (bpy.types.Scene, PhotonMapSceneProperties),
+    (bpy.types.Object, PhotonMapObjectProperties),
+    (bpy.types.Light, PhotonMapLightProperties),
     (bpy.types.Material, PhotonMapMaterialProperties),
     (bpy.types.ViewLayer, PhotonMapViewLayerProperties),
 )

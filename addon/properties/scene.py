@@ -6,7 +6,7 @@ are explicit, because files store the number and not the name.
 
 # No "from __future__ import annotations" here: Blender reads the annotations as properties.
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ...core.settings import Settings
 
@@ -18,7 +18,7 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
 
     passes: IntProperty(  # type: ignore[valid-type]
         name="Passes",
-        description="Render at most so many photon and camera passes",
+        description="Render at most so many passes, each one of photons and one of the camera",
         default=_DEFAULT.passes,
         min=1,
         soft_max=4096,
@@ -26,7 +26,9 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
     )
     seconds: FloatProperty(  # type: ignore[valid-type]
         name="Time Limit",
-        description="Stop after so many seconds of rendering; 0 for no limit",
+        unit="TIME_ABSOLUTE",
+        description="Stop after so many seconds of rendering, one pass is always made; "
+        "0 for no limit",
         default=_DEFAULT.seconds,
         min=0.0,
         max=1e9,
@@ -45,21 +47,25 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
         precision=4,
         step=1,
     )
-    photons_global: IntProperty(  # type: ignore[valid-type]
-        name="Global Photons",
-        description="Photons emitted in each pass for indirect light; -1 chooses "
-        "by the size of the image",
-        default=_DEFAULT.photons_global,
-        min=-1,
-        max=100_000_000,
-        soft_max=1_000_000,
+    photons_automatic: BoolProperty(  # type: ignore[valid-type]
+        name="Automatic",
+        description="Photons a pass by the size of the image: half as many as it has pixels, "
+        "of each kind, but 8192 at least",
+        default=True,
     )
     photons_caustic: IntProperty(  # type: ignore[valid-type]
         name="Caustic Photons",
-        description="Photons emitted in each pass towards glass and mirrors; -1 chooses "
-        "by the size of the image",
-        default=_DEFAULT.photons_caustic,
-        min=-1,
+        description="Photons emitted in each pass towards glass and mirrors; 0 for none",
+        default=100_000,
+        min=0,
+        max=100_000_000,
+        soft_max=1_000_000,
+    )
+    photons_global: IntProperty(  # type: ignore[valid-type]
+        name="Global Photons",
+        description="Photons emitted in each pass for indirect light; 0 for none",
+        default=100_000,
+        min=0,
         max=100_000_000,
         soft_max=1_000_000,
     )
@@ -73,8 +79,9 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
     )
     caustic_radius: FloatProperty(  # type: ignore[valid-type]
         name="Caustic Radius",
-        description="Radius in pixels of the caustic estimate in the first pass; smaller is "
-        "sharper and noisier",
+        description="Radius of the caustic estimate in the first pass, in pixels of the image; "
+        "smaller is sharper and noisier",
+        subtype="PIXEL",
         default=_DEFAULT.caustic_radius,
         min=0.1,
         max=1000.0,
@@ -89,7 +96,8 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
     )
     camera_depth: IntProperty(  # type: ignore[valid-type]
         name="Camera Depth",
-        description="Most surfaces that a path from the camera may meet",
+        description="Most surfaces that a path from the camera may meet; a glass ball takes "
+        "two of them",
         default=_DEFAULT.camera_depth,
         min=1,
         max=1024,
@@ -97,7 +105,8 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
     )
     photon_depth: IntProperty(  # type: ignore[valid-type]
         name="Photon Depth",
-        description="Most surfaces that a photon may meet",
+        description="Most surfaces that a photon may meet; the caustic of a glass ball takes "
+        "three of them",
         default=_DEFAULT.photon_depth,
         min=1,
         max=1024,
@@ -119,12 +128,12 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
         min=0,
         max=2**31 - 1,
     )
-    threads: IntProperty(  # type: ignore[valid-type]
-        name="Threads",
-        description="Processor threads to use; 0 for all. The image does not depend on it",
-        default=_DEFAULT.threads,
-        min=0,
-        max=1024,
+    exposure: FloatProperty(  # type: ignore[valid-type]
+        name="Exposure",
+        description="Factor on the light in the image and its passes",
+        default=_DEFAULT.exposure,
+        min=0.0,
+        max=10.0,
     )
     pixel_filter: EnumProperty(  # type: ignore[valid-type]
         name="Pixel Filter",

@@ -4,20 +4,31 @@ from __future__ import annotations
 
 import bpy
 
-from . import light, material, render, stock, view_layer
+from . import light, material, object, plan, presets, render, stock, view_layer, world
 
-CLASSES = (*render.PANELS, *view_layer.PANELS, *light.PANELS, *material.PANELS)
+CLASSES = (
+    *presets.CLASSES,
+    *render.PANELS,
+    *plan.PANELS,
+    *view_layer.PANELS,
+    *object.PANELS,
+    *light.PANELS,
+    *material.PANELS,
+    *world.PANELS,
+)
 
 
 def register() -> None:
     """Register our panels and join the stock ones."""
     for panel in CLASSES:
         bpy.utils.register_class(panel)
+    presets.register()
     stock.join()
 
 
 def unregister() -> None:
     """Leave the stock panels and unregister ours."""
     stock.leave()
+    presets.unregister()
     for panel in reversed(CLASSES):
         bpy.utils.unregister_class(panel)

@@ -1,4 +1,4 @@
-"""Settings of a material that no node carries."""
+"""A material's surface, what fills the space behind it, and where bodies overlap."""
 
 from __future__ import annotations
 
@@ -6,24 +6,47 @@ from typing import Any
 
 import bpy
 
+from ..export.nodes import tree_of
+from .panel import PhotonMapPanel, draw_nodes
 
-class PHOTONMAP_MATERIAL_PT_medium(bpy.types.Panel):
-    """What counts where transparent bodies overlap."""
 
-    bl_label = "Medium"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
+class MaterialPanel(PhotonMapPanel):
+    """Where the panels of this file live."""
+
     bl_context = "material"
-    bl_options = {"DEFAULT_CLOSED"}
-    COMPAT_ENGINES = {"PHOTONMAP"}
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        return bool(context.material) and context.engine in cls.COMPAT_ENGINES
+        if not context.material or context.material.grease_pencil:
+            return False
+        return context.engine in cls.COMPAT_ENGINES
+
+
+class PHOTONMAP_MATERIAL_PT_surface(MaterialPanel, bpy.types.Panel):
+    """The shader."""
+
+    bl_label = "Surface"
 
     def draw(self, context: Any) -> None:
-        self.layout.use_property_split = True
-        self.layout.prop(context.material.photon_map, "priority")
+        material = context.material
+        tree = tree_of(material)
+        draw_nodes(self.layout, material, tree, "Surface")
+        if tree is None:
+            self.column().prop(material, "diffuse_color", text="Base Color")
 
 
-PANELS = (PHOTONMAP_MATERIAL_PT_medium,)
+class PHOTONMAP_MATERIAL_PT_volume(MaterialPanel, bpy.types.Panel):
+    """Absorption, and which of two bodies counts."""
+
+    bl_label = "Volume"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Any) -> None:
+        material = context.material
+        tree = tree_of(material)
+        if tree is not None:
+            draw_nodes(self.layout, material, tree, "Volume")
+        self.column().prop(material.photon_map, "priority")
+
+
+PANELS = (PHOTONMAP_MATERIAL_PT_surface, PHOTONMAP_MATERIAL_PT_volume)

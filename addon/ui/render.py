@@ -6,34 +6,26 @@ from typing import Any
 
 import bpy
 
+from .panel import PhotonMapPanel
+from .presets import PHOTONMAP_PT_sampling_presets
 
-class PhotonMapRenderPanel:
-    """Where the panels of this file live, and for which engine."""
 
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
+class RenderPanel(PhotonMapPanel):
+    """Where the panels of this file live."""
+
     bl_context = "render"
-    COMPAT_ENGINES = {"PHOTONMAP"}
-
-    @classmethod
-    def poll(cls, context: Any) -> bool:
-        return context.engine in cls.COMPAT_ENGINES
-
-    def column(self, context: Any) -> tuple[Any, Any]:
-        """A column of the panel, and the properties that go into it."""
-        layout: Any = self.layout  # type: ignore[attr-defined]
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        return layout.column(), context.scene.photon_map
 
 
-class PHOTONMAP_RENDER_PT_sampling(PhotonMapRenderPanel, bpy.types.Panel):
+class PHOTONMAP_RENDER_PT_sampling(RenderPanel, bpy.types.Panel):
     """When a render ends."""
 
     bl_label = "Sampling"
 
+    def draw_header_preset(self, context: Any) -> None:
+        PHOTONMAP_PT_sampling_presets.draw_panel_header(self.layout)
+
     def draw(self, context: Any) -> None:
-        column, settings = self.column(context)
+        column, settings = self.column(), context.scene.photon_map
         column.prop(settings, "passes")
         column.prop(settings, "seconds")
         column.prop(settings, "error_goal")
@@ -41,56 +33,67 @@ class PHOTONMAP_RENDER_PT_sampling(PhotonMapRenderPanel, bpy.types.Panel):
         column.prop(settings, "seed")
 
 
-class PHOTONMAP_RENDER_PT_photons(PhotonMapRenderPanel, bpy.types.Panel):
-    """Photons of each pass."""
+class PHOTONMAP_RENDER_PT_photons(RenderPanel, bpy.types.Panel):
+    """How many photons each pass has."""
 
     bl_label = "Photons"
+    bl_parent_id = "PHOTONMAP_RENDER_PT_sampling"
 
     def draw(self, context: Any) -> None:
-        column, settings = self.column(context)
-        column.prop(settings, "photons_global", text="Global per Pass")
-        column.prop(settings, "photons_caustic", text="Caustic per Pass")
-        column.prop(settings, "gather_rays")
+        column, settings = self.column(), context.scene.photon_map
+        column.prop(settings, "photons_automatic")
+        counts = column.column(align=True)
+        counts.active = not settings.photons_automatic
+        counts.prop(settings, "photons_caustic", text="Caustic")
+        counts.prop(settings, "photons_global", text="Global")
         column.separator()
         column.prop(settings, "caustic_radius")
         column.prop(settings, "alpha")
+        column.prop(settings, "gather_rays")
 
 
-class PHOTONMAP_RENDER_PT_paths(PhotonMapRenderPanel, bpy.types.Panel):
+class PHOTONMAP_RENDER_PT_paths(RenderPanel, bpy.types.Panel):
     """How long paths may get."""
 
     bl_label = "Light Paths"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Any) -> None:
-        column, settings = self.column(context)
-        column.prop(settings, "camera_depth")
-        column.prop(settings, "photon_depth")
+        column, settings = self.column(), context.scene.photon_map
+        depths = column.column(align=True)
+        depths.prop(settings, "camera_depth")
+        depths.prop(settings, "photon_depth")
         column.prop(settings, "min_throughput")
 
 
-class PHOTONMAP_RENDER_PT_film(PhotonMapRenderPanel, bpy.types.Panel):
+class PHOTONMAP_RENDER_PT_film(RenderPanel, bpy.types.Panel):
     """Pixels."""
 
     bl_label = "Film"
+    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Any) -> None:
-        column, settings = self.column(context)
-        column.prop(settings, "pixel_filter")
-        column.prop(context.scene.render, "filter_size", text="Width")
-        column.separator()
+        column, settings = self.column(), context.scene.photon_map
+        column.prop(settings, "exposure")
         column.prop(context.scene.render, "film_transparent", text="Transparent")
+        column.separator()
+        column.prop(settings, "pixel_filter")
+        if settings.pixel_filter != "BOX":
+            column.prop(context.scene.render, "filter_size", text="Width")
 
 
-class PHOTONMAP_RENDER_PT_performance(PhotonMapRenderPanel, bpy.types.Panel):
-    """Use of the machine."""
+class PHOTONMAP_RENDER_PT_performance(RenderPanel, bpy.types.Panel):
+    """Use of the machine; Blender's own settings, which `blender -t` sets too."""
 
     bl_label = "Performance"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: Any) -> None:
-        column, settings = self.column(context)
-        column.prop(settings, "threads")
+        column, render = self.column(), context.scene.render
+        column.prop(render, "threads_mode")
+        threads = column.column()
+        threads.enabled = render.threads_mode == "FIXED"
+        threads.prop(render, "threads")
 
 
 PANELS = (

@@ -12,26 +12,36 @@ from typing import Any
 
 import bpy
 
-ENGINE = "PHOTONMAP"
+from .panel import ENGINE
 
 #: Stock panels that list only other engines and are right for this one.
 JOINED = (
     "DATA_PT_camera_dof",
     "DATA_PT_camera_dof_aperture",
     "EEVEE_MATERIAL_PT_context_material",
-    "EEVEE_MATERIAL_PT_surface",
-    "EEVEE_WORLD_PT_surface",
     "VIEWLAYER_PT_override",
 )
 
-#: General panels that this engine replaces, or does not honour. ``DATA_PT_light`` and its
-#: twin in the node editor are replaced by ``light.py``.
+#: General panels that this engine replaces (lamps, visibility), or whose settings would do
+#: nothing here.
 LEFT_OUT = (
+    "DATA_PT_camera_stereoscopy",
     "DATA_PT_light",
+    "DATA_PT_lightprobe",
+    "DATA_PT_lightprobe_parallax",
+    "DATA_PT_lightprobe_visibility",
+    "DATA_PT_preview",
+    "DATA_PT_spot",
     "NODE_DATA_PT_light",
+    "NODE_DATA_PT_spot",
+    "OBJECT_PT_shading",
+    "OBJECT_PT_visibility",
     "RENDER_PT_gpencil",
     "RENDER_PT_grease_pencil_render",
+    "RENDER_PT_grease_pencil_viewport",
+    "RENDER_PT_output_views",
     "RENDER_PT_simplify_greasepencil",
+    "RENDER_PT_stereoscopy",
 )
 
 

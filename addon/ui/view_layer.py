@@ -7,27 +7,18 @@ from typing import Any
 import bpy
 
 from ..passes import PASSES
+from .panel import PhotonMapPanel
 
 
-class PHOTONMAP_VIEWLAYER_PT_passes(bpy.types.Panel):
+class PHOTONMAP_VIEWLAYER_PT_passes(PhotonMapPanel, bpy.types.Panel):
     """Only the passes that the engine can write."""
 
     bl_label = "Passes"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
     bl_context = "view_layer"
-    COMPAT_ENGINES = {"PHOTONMAP"}
-
-    @classmethod
-    def poll(cls, context: Any) -> bool:
-        return context.engine in cls.COMPAT_ENGINES
 
     def draw(self, context: Any) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
         view_layer = context.view_layer
-        column = layout.column(heading="Include")
+        column = self.column(heading="Include")
         for entry in PASSES:
             if entry.toggle.startswith("pm."):
                 toggle = entry.toggle.removeprefix("pm.")

@@ -29,7 +29,7 @@ class FakeFilm:
     def __init__(self, region: tuple[int, int, int, int], faces: int) -> None:
         x0, y0, x1, y1 = region
         self.width, self.height, self.passes, self.nbytes = x1 - x0, y1 - y0, 0, 1 << 20
-        self.statistics = SimpleNamespace(non_finite=0)
+        self.statistics = SimpleNamespace(non_finite=0, rays=1_500_000)
         rows, columns = np.mgrid[y0:y1, x0:x1]
         direct = np.stack([columns, rows, np.full_like(rows, faces)], axis=2)
         self.layers = {

@@ -123,7 +123,6 @@ def test_settings_of_the_scene(bpy: Any) -> None:
         "seconds": 4.5,
         "error_goal": 0.25,
         "seed": 9,
-        "threads": 1,
         "photons_global": 1000,
         "photons_caustic": 2000,
         "camera_depth": 5,
@@ -132,7 +131,10 @@ def test_settings_of_the_scene(bpy: Any) -> None:
         "caustic_radius": 4.0,
         "alpha": 0.75,
         "pixel_filter": "GAUSSIAN",
+        "exposure": 1.5,
     }
+    scene.photon_map.photons_automatic = False
+    scene.render.threads_mode, scene.render.threads = "FIXED", 3
     for name, value in values.items():
         setattr(scene.photon_map, name, value)
     scene.render.filter_size = 2.5
@@ -140,10 +142,17 @@ def test_settings_of_the_scene(bpy: Any) -> None:
     got = export(bpy).settings
     assert {name: getattr(got, name) for name in values} == values
     assert got.filter_width == 2.5
+    assert got.threads == 3
     assert got.transparent
     assert got.region is None
     overridden = export(bpy, passes=8, chunk_size=77).settings
     assert (overridden.passes, overridden.chunk_size, overridden.seed) == (8, 77, 9)
+
+
+def test_threads_and_photons_are_automatic_by_default(bpy: Any) -> None:
+    add_camera(bpy)
+    got = export(bpy).settings
+    assert (got.threads, got.photons_global, got.photons_caustic) == (0, -1, -1)
 
 
 def test_a_box_is_one_pixel_wide_unless_asked_otherwise(bpy: Any) -> None:

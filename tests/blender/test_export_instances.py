@@ -174,6 +174,22 @@ def test_rays_that_do_not_see_an_object(bpy: Any) -> None:
         assert bits == Visibility.ALL & ~missing, name
 
 
+def test_caustic_switches(bpy: Any) -> None:
+    from photon_map.core.scene.tables import Visibility
+
+    add_camera(bpy)
+    add_cube(bpy, "both")
+    add_cube(bpy, "casts none").photon_map.casts_caustics = False
+    add_cube(bpy, "shows none").photon_map.shows_caustics = False
+    got = export(bpy)
+    bits = dict(zip(got.scene.object_names, got.scene.object_visibility, strict=True))
+    assert bits == {
+        "both": Visibility.ALL,
+        "casts none": Visibility.ALL | Visibility.CASTS_NONE,
+        "shows none": Visibility.ALL | Visibility.SHOWS_NONE,
+    }
+
+
 def test_two_view_layers_differ(bpy: Any) -> None:
     """The export takes the layer that is rendered."""
     from photon_map.addon import headless

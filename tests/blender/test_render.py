@@ -32,6 +32,7 @@ def small(bpy: Any) -> Any:
     scene.render.resolution_x, scene.render.resolution_y = 32, 24
     scene.photon_map.passes = 4
     scene.photon_map.pixel_filter = "BOX"
+    scene.photon_map.photons_automatic = False
     scene.photon_map.photons_global = 4096
     scene.photon_map.photons_caustic = 4096
     return add_camera(bpy)
@@ -173,9 +174,10 @@ def test_two_renders_give_the_same_bits_and_leave_no_thread(
     add_light(bpy, "AREA", energy=50.0).location = (0.0, 1.0, 3.0)
     add_cube(bpy, "Cube", new_material(bpy, "M", "ShaderNodeBsdfGlass", Roughness=0.0))
     before = threading.active_count()
-    bpy.context.scene.photon_map.threads = 1
+    bpy.context.scene.render.threads_mode = "FIXED"
+    bpy.context.scene.render.threads = 1
     first = combined(bpy, tmp_path)
-    bpy.context.scene.photon_map.threads = 2
+    bpy.context.scene.render.threads = 2
     second = combined(bpy, tmp_path)
     assert first.any()
     assert np.array_equal(first, second)

@@ -1,0 +1,52 @@
+"""The world's shader and who sees it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from ..export.nodes import tree_of
+from .panel import PhotonMapPanel, draw_nodes
+
+
+class WorldPanel(PhotonMapPanel):
+    """Where the panels of this file live."""
+
+    bl_context = "world"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(context.world) and context.engine in cls.COMPAT_ENGINES
+
+
+class PHOTONMAP_WORLD_PT_surface(WorldPanel, bpy.types.Panel):
+    """The light from all around."""
+
+    bl_label = "Surface"
+
+    def draw(self, context: Any) -> None:
+        world = context.world
+        tree = tree_of(world)
+        draw_nodes(self.layout, world, tree, "Surface")
+        if tree is None:
+            self.column().prop(world, "color")
+
+
+class PHOTONMAP_WORLD_PT_ray_visibility(WorldPanel, bpy.types.Panel):
+    """Cycles' own switches, which are there while Cycles is enabled."""
+
+    bl_label = "Ray Visibility"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return super().poll(context) and hasattr(context.world, "cycles_visibility")
+
+    def draw(self, context: Any) -> None:
+        column, switches = self.column(), context.world.cycles_visibility
+        for name in ("camera", "diffuse", "glossy", "transmission"):
+            column.prop(switches, name)
+
+
+PANELS = (PHOTONMAP_WORLD_PT_surface, PHOTONMAP_WORLD_PT_ray_visibility)
