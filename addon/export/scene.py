@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ...core.scene.builder import SceneBuilder
+from ...core.scene.camera_data import CameraData
 from ...core.scene.scene import Scene
 from ..report import ExportError, ExportLog
 from .camera import export_camera
@@ -18,19 +19,23 @@ __all__ = ["ExportCancelledError", "export_scene", "image_size"]
 
 
 def export_scene(
-    depsgraph: Any, engine: Any | None, log: ExportLog, stopped: Callable[[], bool]
+    depsgraph: Any,
+    engine: Any | None,
+    log: ExportLog,
+    stopped: Callable[[], bool],
+    view: CameraData | None = None,
 ) -> Scene:
     """Everything that ``depsgraph`` shows, in world space.
 
     Reads Blender on the calling thread and keeps no reference to it. ``engine`` supplies
     the camera of the view being rendered; without one (a script) the scene's camera is
-    taken. Raises ``ExportError``, ``SceneError``, and ``ExportCancelledError`` once
-    ``stopped()`` is true.
+    taken, or ``view``. Raises ``ExportError``, ``SceneError``, and ``ExportCancelledError``
+    once ``stopped()`` is true.
     """
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     camera = engine.camera_override if engine is not None else None
     camera = camera or scene.camera
-    if camera is None:
+    if camera is None and view is None:
         raise ExportError(f"scene '{scene.name}' has no camera; add one to render it")
     if engine is not None and scene.render.use_multiview:
         raise ExportError(
@@ -38,7 +43,7 @@ def export_scene(
             "Stereoscopy off in the output properties"
         )
     builder = SceneBuilder(scene.name)
-    builder.set_camera(export_camera(camera, scene, image_size(scene), engine))
+    builder.set_camera(view or export_camera(camera, scene, image_size(scene), engine))
     warn_scene(scene, layer, log)
     warn_missing(log)
     builder.set_world(**world_values(layer.world_override or scene.world, log))

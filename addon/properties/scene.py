@@ -24,6 +24,14 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
         soft_max=4096,
         max=10_000_000,
     )
+    viewport_passes: IntProperty(  # type: ignore[valid-type]
+        name="Viewport Passes",
+        description="Passes of the rendered viewport",
+        default=32,
+        min=1,
+        max=10_000_000,
+        soft_max=1024,
+    )
     seconds: FloatProperty(  # type: ignore[valid-type]
         name="Time Limit",
         unit="TIME_ABSOLUTE",

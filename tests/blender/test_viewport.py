@@ -1,0 +1,169 @@
+"""The rendered viewport without a window: its camera, its worker, its pictures."""
+
+from __future__ import annotations
+
+import threading
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.blender.support import add_camera, add_cube
+
+
+def context_of(bpy: Any, camera: Any, width: int = 40, height: int = 30) -> Any:
+    """A 3D view that sees what ``camera`` sees."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    window = camera.calc_matrix_camera(depsgraph, x=width, y=height)
+    return SimpleNamespace(
+        region_data=SimpleNamespace(
+            view_matrix=camera.matrix_world.inverted(),
+            window_matrix=window,
+            view_perspective="PERSP",
+        ),
+        region=SimpleNamespace(width=width, height=height),
+    )
+
+
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
+def test_a_view_is_the_camera_with_its_matrices(bpy: Any, kind: str) -> None:
+    from photon_map.addon.export.camera import export_camera
+    from photon_map.addon.export.view import view_camera
+
+    camera = add_camera(bpy, (1.0, 2.0, 5.0))
+    camera.rotation_euler = (0.3, 0.2, 0.1)
+    data = camera.data
+    data.type, data.ortho_scale = kind, 7.0
+    data.lens, data.shift_x, data.shift_y = 35.0, 0.1, -0.2
+    data.clip_start, data.clip_end = 0.5, 50.0
+    bpy.context.view_layer.update()
+    scene = bpy.context.scene
+    got = view_camera(context_of(bpy, camera), scene)
+    expected = export_camera(camera, scene, (40, 30))
+    np.testing.assert_allclose(got.matrix, expected.matrix, atol=1e-5)
+    names = ["kind", "width", "height"]
+    assert [getattr(got, n) for n in names] == [getattr(expected, n) for n in names]
+    numbers = ["shift_x", "shift_y", "clip_start", "clip_end"]
+    numbers += ["lens"] if kind == "PERSP" else ["ortho_scale"]
+    for name in numbers:
+        assert getattr(got, name) == pytest.approx(getattr(expected, name), rel=1e-4), name
+
+
+def test_an_orthographic_view_sees_what_lies_behind_its_origin(bpy: Any) -> None:
+    from photon_map.addon.export.view import camera_of
+
+    near, far = -100.0, 100.0
+    window = np.diag([2 / 8.0, 2 / 6.0, -2 / (far - near), 1.0])
+    window[2, 3] = -(far + near) / (far - near)
+    got = camera_of(np.eye(4), window, 40, 30)
+    assert (got.kind, got.ortho_scale) == ("ORTHOGRAPHIC", 8.0)
+    assert got.matrix[2, 3] == pytest.approx(100.0, rel=1e-5)
+    assert got.clip_end - got.clip_start == pytest.approx(200.0)
+    assert 0 < got.clip_start < 1e-3
+
+
+@pytest.fixture
+def viewport(bpy: Any, core: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A viewport whose textures are plain arrays, and a cube before it."""
+    if bpy is None:
+        yield None
+        return
+    from photon_map.addon import viewport as module
+
+    add_cube(bpy, "Cube")
+    bpy.context.scene.photon_map.viewport_passes = 3
+    bpy.context.view_layer.update()
+    drawn: list[Any] = []
+    monkeypatch.setattr(module, "upload", lambda pixels: pixels)
+    monkeypatch.setattr(module, "draw_texture", lambda *seen: drawn.append(seen))
+    context = context_of(bpy, bpy.context.scene.camera)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    found = SimpleNamespace(
+        render=module.ViewportRender(), context=context, depsgraph=depsgraph, drawn=drawn
+    )
+    yield found
+    found.render.close()
+    wait_until(lambda: not workers())
+
+
+def workers() -> list[threading.Thread]:
+    return [t for t in threading.enumerate() if t.name == "photon_map_viewport"]
+
+
+def wait_until(done: Any) -> None:
+    limit = time.monotonic() + 20
+    while not done():
+        assert time.monotonic() < limit
+        time.sleep(0.01)
+
+
+def draw(viewport: Any) -> str:
+    return str(viewport.render.draw(viewport.context, viewport.depsgraph))
+
+
+def test_the_last_picture_is_the_whole_one(bpy: Any, core: Any, viewport: Any) -> None:
+    viewport.render.update(viewport.context, viewport.depsgraph)
+    wait_until(lambda: not workers())
+    assert viewport.render.has_news()
+    assert draw(viewport) == "Pass 3/3 | Error 50.0 %"
+    assert not viewport.render.has_news()
+    pixels, width, height = viewport.drawn[-1]
+    assert pixels.shape == (30, 40, 4)
+    assert (width, height) == (40, 30)
+    assert core.closed == 2  # a coarse picture came before
+
+
+def test_a_turned_view_is_rendered_without_an_export(
+    bpy: Any, core: Any, viewport: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from photon_map.addon import viewport as module
+
+    viewport.render.update(viewport.context, viewport.depsgraph)
+    wait_until(lambda: not workers())
+    monkeypatch.delattr(module, "export_scene")
+    draw(viewport)
+    assert core.closed == 2
+    viewport.context.region = SimpleNamespace(width=20, height=10)
+    draw(viewport)
+    wait_until(lambda: not workers())
+    draw(viewport)
+    assert viewport.drawn[-1][0].shape == (10, 20, 4)
+    assert core.closed == 4
+
+
+def test_closing_ends_the_worker(bpy: Any, core: Any, viewport: Any) -> None:
+    begun, go_on = threading.Event(), threading.Event()
+
+    def on_pass(number: int) -> None:
+        begun.set()
+        go_on.wait(20)
+
+    core.on_pass = on_pass
+    viewport.render.update(viewport.context, viewport.depsgraph)
+    assert begun.wait(20)
+    viewport.render.close()
+    go_on.set()
+    wait_until(lambda: not workers())
+    assert core.passes_made == 1
+    assert core.closed == 1
+
+
+def test_an_edit_replaces_the_render(bpy: Any, core: Any, viewport: Any) -> None:
+    for _ in range(5):
+        viewport.render.update(viewport.context, viewport.depsgraph)
+    wait_until(lambda: not workers())
+    assert draw(viewport).startswith("Pass 3/3")
+
+
+def test_errors_are_words_in_the_corner(bpy: Any, core: Any, viewport: Any) -> None:
+    core.fail_at = 1
+    viewport.render.update(viewport.context, viewport.depsgraph)
+    wait_until(lambda: not workers())
+    assert draw(viewport) == "Failed: the core broke"
+    bpy.context.scene.photon_map.passes = 1
+    bpy.data.objects["Cube"].location.x = float("nan")
+    viewport.context.region_data = None
+    viewport.render.update(viewport.context, viewport.depsgraph)
+    assert draw(viewport).startswith("AttributeError")
