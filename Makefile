@@ -12,8 +12,8 @@ BIN := .venv/bin
 # Two processes share the files of tests; more would not fit the memory of small machines.
 PYTEST := python -m pytest -n 2 --dist loadfile
 
-.PHONY: help env env-core bpy render test test-slow test-core accuracy bench bench-quick lint \
-	extension acceptance samples clean
+.PHONY: help env env-core bpy render test test-slow test-core accuracy bench-env bench \
+	bench-quick budgets bench-references lint extension acceptance samples clean
 
 help:
 	@echo "make render [BLEND=file.blend]  render it to renders/*.png and *.exr"
@@ -73,9 +73,11 @@ accuracy:
 			--python .venv-accuracy-other/bin/python $(ARGS)
 
 # The peers' wheels fit Python 3.11 only together with bpy 5.0.
-bench bench-quick:
+bench-env:
 	@tools/make_env.sh .venv-bench blender,cli,dev,bench "3.11" "$(PYTHON)"
 	@.venv-bench/bin/python -m photon_map.blender_libraries
+
+bench bench-quick: bench-env
 	@.venv-bench/bin/python benchmarks/speed.py \
 		$(if $(filter bench,$@),--docs docs,--quick) $(ARGS)
 
@@ -85,6 +87,14 @@ extension: env
 
 acceptance: bpy
 	@$(BIN)/python tools/acceptance.py "$(BLENDER)" $(ARGS)
+
+# `make bench` puts what this measured into its page.
+budgets: bench-env
+	@.venv-bench/bin/python benchmarks/speed_budgets.py
+
+# Hours on a quiet machine; it goes on where it was stopped.
+bench-references: bench-env
+	@.venv-bench/bin/python benchmarks/speed_reference.py --seconds 14400 $(ARGS)
 
 # bpy 4.2 writes files that Blender 4.2 to 5.2 open.
 samples:

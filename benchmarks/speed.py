@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT))
 import speed_document  # noqa: E402
 import speed_reference  # noqa: E402
 from speed_cases import CASES, Case  # noqa: E402
-from speed_run import Run, run_engine, write_csv  # noqa: E402
+from speed_run import Run, load_run, run_engine, write_csv  # noqa: E402
 
 OURS = "photonmap"
 #: Seconds of rendering of each engine: as long as the tables ask, and in the quick run.
@@ -41,11 +41,11 @@ def main() -> None:
     for case in chosen:
         for engine in engines(case, args):
             longest = args.seconds or (QUICK if args.quick else LONGEST)
-            run = run_engine(
-                case.name, engine, references[case.name], longest, args.seed, args.threads
-            )
-            runs.append(run)
-            report(run)
+            out, failure = args.keep / f"{case.name}_{engine}.npz", ""
+            if not args.kept:
+                failure = run_engine(case.name, engine, longest, args.seed, args.threads, out)
+            runs.append(load_run(case.name, engine, references[case.name], out, failure))
+            report(runs[-1])
     kept = ROOT / ".cache" / "speed_quick.csv" if args.quick else args.results / "speed.csv"
     write_csv(kept, runs)
     minutes = (time.perf_counter() - started) / 60
@@ -81,6 +81,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     results = Path(__file__).with_name("results")
     parser.add_argument("--results", type=Path, default=results, help="folder of the csv")
+    keep = ROOT / ".cache" / "speed"
+    parser.add_argument("--keep", type=Path, default=keep, help="folder of the images")
+    parser.add_argument("--kept", action="store_true", help="render nothing, use those kept")
     parser.add_argument("--docs", type=Path, help="folder of benchmarks.md, to write it anew")
     return parser.parse_args()
 

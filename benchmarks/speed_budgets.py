@@ -11,7 +11,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -48,6 +47,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         found["cold"] = child("start", "glass_box", PHOTON_MAP_CACHE_DIR=folder)
         found["warm"] = child("start", "glass_box", PHOTON_MAP_CACHE_DIR=folder)
+    found["million"] = child("start", "million")
     for name in SAMPLES:
         found["setup"][name] = sample(name)
     for name in SCENES:
@@ -77,6 +77,7 @@ def child(*arguments: str, **environment: str) -> dict[str, Any]:
 def start(scene: str) -> dict[str, Any]:
     """Seconds from the start of the process to the first pass, scene building left out."""
     from speed_cases import CASES
+    from speed_worker import peak_megabytes
 
     began = time.perf_counter()
     built = CASES[scene].build()
@@ -89,7 +90,12 @@ def start(scene: str) -> dict[str, Any]:
     for update in render(built, settings(0, len(os.sched_getaffinity(0)), passes=1)):
         setup = update.setup_seconds
     whole = time.time() - float(os.environ["BENCH_STARTED"]) - building
-    return {"seconds": whole, "setup": setup, "render": time.perf_counter() - begin}
+    return {
+        "seconds": whole,
+        "setup": setup,
+        "render": time.perf_counter() - begin,
+        "peak_mb": peak_megabytes(),
+    }
 
 
 def sample(name: str) -> dict[str, Any]:
@@ -131,8 +137,7 @@ def passes(scene: str, threads: str) -> dict[str, Any]:
         setattr(Intersector, name, method)
     embree = min(replay(queries, count) for _ in range(3)) / 4
     rays = sum(len(query[2]) for query in queries) / 4
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    return {"pass": best, "embree": embree, "rays": rays, "peak_mb_with_rays": memory}
+    return {"pass": best, "embree": embree, "rays": rays}
 
 
 def recording(owner: type, queries: list[Any]) -> dict[str, Any]:
@@ -187,8 +192,14 @@ def section(found: dict[str, Any]) -> Iterator[str]:
     yield "| budget | measured | asked | |"
     yield "|---|---|---|---|"
     warm, cold = found["warm"]["seconds"], found["cold"]["seconds"]
-    yield f"| cold compile, first start | {cold:.1f} s | {COLD:g} s | {mark(cold, COLD)} |"
-    yield f"| core, start to pass | {warm:.1f} s | {SETUP:g} s | {mark(warm, SETUP)} |"
+    limits = (("first start ever, compiling", cold, COLD), ("start, kernels kept", warm, SETUP))
+    for text, seconds, limit in limits:
+        kept = mark(seconds, limit)
+        yield f"| {text}, to the first pass | {seconds:.1f} s | {limit:g} s | {kept} |"
+    for name, which in (("glass box", "warm"), ("a million triangles", "million")):
+        yield f"| peak memory, {name} | {found[which]['peak_mb']:.0f} MB | stated | |"
+    large = found["million"]["setup"]
+    yield f"| setup of a million triangles | {large:.1f} s | stated | |"
     for name, facts in found["setup"].items():
         setup = facts["setup"]
         yield (

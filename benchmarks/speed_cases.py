@@ -42,7 +42,7 @@ _ALL = (
     ),
     Case(
         "point_light", "Point light and glass", caustics.point_light,
-        ("luxcore_vm", "luxcore_path", "luxcore_bidir"), 1 / 8, "luxcore_finer",
+        ("luxcore_vm", "luxcore_path", "luxcore_bidir", "povray"), 1 / 8, "luxcore_finer",
         ("luxcore_path",),
     ),
     Case(

@@ -53,7 +53,6 @@ def nephroid() -> Scene:
     b.add_mesh("ring", *lathe(profile, 512, (0, 0, 0)), metal)
     sun = look_at((-2.0, 0.6, 1.3), (0, 0, 0))
     b.add_sun_light("sun", sun, 4.0, np.radians(0.5))
-    b.set_world(0.05)
     b.set_camera(camera((0, -1.6, 2.4), (0, 0, 0.05), SIZE, SIZE, fov=np.radians(32)))
     return b.build()
 
@@ -84,7 +83,6 @@ def pool() -> Scene:
     b.add_sun_light(
         "sun", look_at((0.7, 1.0, 2.6), (0, 0, 0)), (4.0, 3.9, 3.6), np.radians(0.5)
     )
-    b.set_world((0.1, 0.13, 0.2))
     b.set_camera(camera((0.25, 1.3, 3.4), (0, 0.0, 0.4), SIZE, SIZE, fov=np.radians(30)))
     return b.build()
 
@@ -123,7 +121,7 @@ def magnifier() -> Scene:
     eye, seen = np.array([0.35, -1.9, 1.5]), np.array([-0.25, 0.17, 0.0])
     matrix = look_at(seen + 0.3 * (eye - seen), eye)
     b.add_mesh("lens", points @ matrix[:3, :3].T + matrix[:3, 3], faces, glass)
-    add_lamp(b, (-1.5, 1.0, 1.6), (-0.5, 0.35, 0.3), 0.12, 400.0)
+    add_lamp(b, (-1.5, 1.0, 1.6), (-0.5, 0.35, 0.3), 0.3, 64.0)
     b.set_camera(camera(eye, seen, SIZE, SIZE, fov=np.radians(30)))
     return b.build()
 

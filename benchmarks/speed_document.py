@@ -29,6 +29,8 @@ NAMES = {
 }
 #: relMSE of 10, 5 and 2 % in a typical pixel, and where bias shows.
 GOALS = (0.01, 0.0025, 0.001, 0.0004)
+#: What a cell says when the reference itself is noisier than the error asked for.
+NOISY = "reference"
 TEXT = Path(__file__).with_name("speed_text.md")
 Curves = dict[str, dict[str, Run]]
 
@@ -44,20 +46,21 @@ def curves_of(runs: Sequence[Run]) -> Curves:
 def tables(runs: Sequence[Run], references: Mapping[str, Reference]) -> Iterator[str]:
     """All tables as Markdown lines."""
     curves = curves_of(runs)
+    noise = {name: reference.noise for name, reference in references.items()}
     yield "## Against the targets"
     yield ""
-    yield from target_table(curves)
+    yield from target_table(curves, noise)
     yield ""
     yield "## Time to an error"
     yield ""
-    yield from time_table(curves)
+    yield from time_table(curves, noise)
     yield ""
     yield "## References"
     yield ""
     yield from reference_table(references)
 
 
-def target_table(curves: Curves) -> Iterator[str]:
+def target_table(curves: Curves, noise: Mapping[str, float]) -> Iterator[str]:
     """The ratio to the best peer at relMSE 0.01, and who leads at 0.001."""
     yield (
         "| scene | Photon Map to 0.01 | best peer to 0.01 | ratio | target | | "
@@ -66,6 +69,12 @@ def target_table(curves: Curves) -> Iterator[str]:
     yield "|---|---|---|---|---|---|---|---|---|"
     for name, engines in curves.items():
         if OURS not in engines or len(engines) < 2:
+            continue
+        if noise[name] > 0.01:
+            yield (
+                f"| {CASES[name].title} | {NOISY} | | | 1/{1 / CASES[name].target:g} |"
+                + " |" * 4
+            )
             continue
         case, cells = CASES[name], []
         for goal in (0.01, 0.001):
@@ -81,7 +90,7 @@ def target_table(curves: Curves) -> Iterator[str]:
             f"1/{target:g} | {verdict(ours, peer, end, case.target)} | "
             f"{in_time(ours_low, end)} | {in_time(peer_low, end)}"
             f"{' (' + NAMES[best_low] + ')' if np.isfinite(peer_low) else ''} | "
-            f"{lead(ours_low, peer_low)} |"
+            f"{lead(ours_low, peer_low) if noise[name] < 0.001 else NOISY} |"
         )
 
 
@@ -121,7 +130,7 @@ def lead(ours: float, peer: float) -> str:
     return "ahead" if ours < peer else "**behind**"
 
 
-def time_table(curves: Curves) -> Iterator[str]:
+def time_table(curves: Curves, noise: Mapping[str, float]) -> Iterator[str]:
     """One row per scene and engine."""
     goals = " | ".join(f"to {goal:g}" for goal in GOALS)
     yield (
@@ -136,7 +145,10 @@ def time_table(curves: Curves) -> Iterator[str]:
                 yield head + f"failed: {run.failure} |" + " |" * (len(GOALS) + 5)
                 continue
             end = run.rows[-1].seconds
-            cells = [in_time(time_to(run.rows, goal), end) for goal in GOALS]
+            cells = [
+                in_time(time_to(run.rows, goal), end) if goal > noise[name] else NOISY
+                for goal in GOALS
+            ]
             cells += [number(error_at(run.rows, at)) for at in (5.0, 30.0)]
             last = run.rows[-1]
             cells += [f"{slope(run.rows):.2f}", f"{100 * (last.mean - 1):+.1f} %"]

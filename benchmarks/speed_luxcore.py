@@ -58,7 +58,7 @@ def modes(size: float) -> dict[str, dict[str, Any]]:
     """What each mode sets, for a scene of ``size`` metres; the last two are for references."""
     return {
         "luxcore_path": cached_path(size, 200_000, 0.004, 0.0002, 8),
-        "luxcore_fine": cached_path(size, 500_000, 0.0008, 0.0008, 2),
+        "luxcore_fine": cached_path(size, 500_000, 0.0016, 0.0016, 2),
         "luxcore_finer": cached_path(size, 500_000, 0.0004, 0.0004, 2),
         "luxcore_bidir": {"renderengine.type": "BIDIRCPU", "sampler.type": "SOBOL"},
         "luxcore_vm": {

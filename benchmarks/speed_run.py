@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, fields
@@ -53,27 +51,36 @@ class Run:
 
 
 def run_engine(
-    scene: str, engine: str, reference: Reference, longest: float, seed: int, threads: int
-) -> Run:
-    """One engine, up to ``longest`` seconds of rendering."""
+    scene: str, engine: str, longest: float, seed: int, threads: int, out: Path
+) -> str:
+    """Render with one engine up to ``longest`` seconds; what went wrong, or ""."""
     times = [t for t in TIMES if t < 0.99 * longest] + [longest]
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "out.npz"
-        command = [sys.executable, str(WORKER), scene, engine, "-o", str(out)]
-        command += ["--times", ",".join(f"{t:g}" for t in times), "--seed", str(seed)]
-        command += ["--threads", str(threads), "--started", str(time.time())]
-        try:
-            done = subprocess.run(
-                command, capture_output=True, text=True, timeout=longest + PATIENCE
-            )
-        except subprocess.TimeoutExpired:
-            return Run(scene, engine, (), failure=f"no end after {longest + PATIENCE:.0f} s")
-        if done.returncode or not out.exists():
-            lines = (done.stderr or done.stdout).strip().splitlines() or ["nothing said"]
-            return Run(scene, engine, (), failure=lines[-1])
-        with np.load(out) as kept:
-            seconds, images = kept["seconds"], kept["images"].astype(np.float64)
-            facts = json.loads(str(kept["facts"]))
+    command = [sys.executable, str(WORKER), scene, engine, "-o", str(out)]
+    command += ["--times", ",".join(f"{t:g}" for t in times), "--seed", str(seed)]
+    command += ["--threads", str(threads), "--started", str(time.time())]
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.unlink(missing_ok=True)
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=longest + PATIENCE
+        )
+    except subprocess.TimeoutExpired:
+        return f"no end after {longest + PATIENCE:.0f} s"
+    if done.returncode or not out.exists():
+        lines = (done.stderr or done.stdout).strip().splitlines() or ["nothing said"]
+        return lines[-1]
+    return ""
+
+
+def load_run(
+    scene: str, engine: str, reference: Reference, out: Path, failure: str = ""
+) -> Run:
+    """The curve of the images in ``out``, as ``speed_worker.py`` left them."""
+    if failure or not out.exists():
+        return Run(scene, engine, (), failure=failure or "was not run")
+    with np.load(out) as kept:
+        seconds, images = kept["seconds"], kept["images"].astype(np.float64)
+        facts = json.loads(str(kept["facts"]))
     rows = []
     for spent, image in zip(seconds, images, strict=True):
         error = reference.error(image)
@@ -81,7 +88,7 @@ def run_engine(
         rows.append(
             Row(
                 scene, engine, float(spent), error, mean, facts["start_up"], facts["peak_mb"],
-                facts["engine"], os.getloadavg()[0],
+                facts["engine"], facts["load"],
             )
         )  # fmt: skip
     return Run(scene, engine, tuple(rows), tuple(map(float, seconds)), tuple(images))

@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import resource
 import sys
 import time
 from importlib import import_module
@@ -60,12 +59,22 @@ def main() -> None:
     facts = {
         "engine": module.version(),
         "start_up": start_up,
-        "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        "load": os.getloadavg()[0],
+        "peak_mb": peak_megabytes(),
     }
     np.savez_compressed(args.out, seconds=seconds, images=images, facts=json.dumps(facts))
     # Blender's threads and LuxCore's sessions may keep the interpreter from ending.
     sys.stdout.flush()
     os._exit(0)
+
+
+def peak_megabytes() -> float:
+    """Most memory that this process had; `getrusage` would count its parent's as well."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return float("nan")
+    line = next(x for x in status.read_text().splitlines() if x.startswith("VmHWM"))
+    return int(line.split()[1]) / 1024
 
 
 def arguments() -> argparse.Namespace:
