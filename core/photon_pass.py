@@ -8,7 +8,7 @@ import numpy as np
 
 from .camera_pass.chunk import PhotonMaps, Region
 from .photons.photon_map import build_photon_map
-from .photons.radius import radius_factor
+from .photons.radius import GLOBAL_ALPHA, radius_factor
 from .photons.trace import Walk, trace_photons
 from .pilot import PILOT_PASS, Radii, first_radii
 from .plan import Plan
@@ -73,15 +73,16 @@ def photon_maps(
 ) -> PhotonMaps:
     """Sort the walks of pass ``i`` into maps, with the radii of that pass."""
     factor = radius_factor(i, settings.alpha)
+    global_radius = radii.global_ * radius_factor(i, max(settings.alpha, GLOBAL_ALPHA))
     caustic = [w for b, w in zip(batches, walks, strict=True) if b.caustic]
     global_ = [w for b, w in zip(batches, walks, strict=True) if not b.caustic]
     footprints, least, most, cell = (factor * r for r in radii.caustic)
     return PhotonMaps(
         caustic=build_photon_map(caustic, cell) if caustic else None,
-        global_=build_photon_map(global_, 2 * factor * radii.global_) if global_ else None,
+        global_=build_photon_map(global_, 2 * global_radius) if global_ else None,
         caustic_radii=(footprints, least, most),
-        global_radius=factor * radii.global_,
-        edges=radii.edges,
+        global_radius=global_radius,
+        borders=radii.borders,
         emitted=sum(b.count for b in batches),
         stored=sum(len(w.photons) for w in walks),
         rays=sum(w.rays for w in walks),

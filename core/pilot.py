@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from .camera_pass.caustics import footprints
 from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather, wide_only
 from .film.film import SAMPLE
-from .photons.edges import EdgeGrid, edge_grid, sharp_edges
+from .geometry.borders import borders_of
+from .photons.coverage import MOST_PIECES, BorderGrid, border_grid
 from .prepared import Prepared
 from .settings import Settings
 
@@ -27,12 +28,12 @@ SPREAD = 4.0
 class Radii(NamedTuple):
     """Radii of pass 0. ``caustic``: pixel footprints, least, most, cell; ``global_`` [m].
 
-    ``edges`` are in a grid for discs of up to that radius.
+    ``borders`` are in a grid for discs of up to those radii.
     """
 
     caustic: tuple[float, float, float, float]
     global_: float
-    edges: EdgeGrid
+    borders: BorderGrid
 
 
 def first_radii(
@@ -56,7 +57,10 @@ def first_radii(
     typical = max(typical * settings.caustic_radius, 1e-7 * size)
     caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, 2 * typical)
     radius = _global_radius(photons, far.vertices["p"], size)
-    return Radii(caustic, radius, edge_grid(sharp_edges(prepared.mesh), radius))
+    largest = max(radius, caustic[2])
+    holds = prepared.receivers[prepared.mesh.material]
+    borders = borders_of(prepared.mesh, holds, prepared.intersector, largest, MOST_PIECES)
+    return Radii(caustic, radius, border_grid(borders, largest))
 
 
 def _global_radius(

@@ -17,6 +17,7 @@ from .geometry.mesh import Centre, Mesh, centre_of, centred_mesh
 from .geometry.touching import overlapped
 from .lights.light_set import LightSet, light_set
 from .photons.aim import Aim, aim_at
+from .photons.casters import receiver_materials
 from .scene.scene import Scene, SceneError
 from .scene.tables import LOBE, Visibility
 from .settings import Settings
@@ -27,7 +28,8 @@ class Prepared(NamedTuple):
     """What every pass reads; nothing in it changes during a render.
 
     ``light_media`` (N+2, 1 + STACK) i4 and ``camera_media`` (1 + STACK,): count and rows
-    of the media that the light or the camera stands in.
+    of the media that the light or the camera stands in. ``receivers`` (M,) bool: the
+    materials that photons are stored on.
     """
 
     mesh: Mesh
@@ -42,6 +44,7 @@ class Prepared(NamedTuple):
     intersector: Intersector
     shading: ShadingTables
     has_sieves: bool
+    receivers: NDArray[np.bool_]
 
     def lobe_room(self, surfaces: int) -> NDArray[np.void]:
         """The lobe table, with room behind it for those worked out at ``surfaces`` hits.
@@ -100,6 +103,7 @@ def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prep
         intersector=intersector,
         shading=shading_tables(scene),
         has_sieves=_has_sieves(scene, mesh),
+        receivers=receiver_materials(scene),
     )
 
 

@@ -27,6 +27,7 @@ class Settings:
     Photon counts are emitted photons per pass, -1: half the
     number of pixels but 8192 at least, 0: none; ``gather_rays`` final-gather rays leave
     each place where a camera path ends; depths count surface interactions.
+    ``alpha``: how slowly the caustic discs shrink from pass to pass, 1 keeps them.
     ``min_throughput``: camera paths that carry less are ended. ``region`` is
     (x0, y0, x1, y1) in pixels, row 0 at the bottom, None for the whole image.
     ``exposure`` is a factor on the light of the film's layers.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..geometry.vector import vector
 from ..jit import Row, Table, kernel
-from ..photons.edges import LEAST_PART_SEEN, fitting_radius
+from ..photons.coverage import coverage
 from ..photons.gather import gather_radiance
 from .seen import add
 
@@ -47,7 +47,7 @@ def gather_caustics(
     lobes: Table,
     camera: Row,
     photon_map: Row,
-    edges: Row,
+    borders: Row,
     radii: Table,
     vertices: Table,
     count: int,
@@ -55,17 +55,18 @@ def gather_caustics(
 ) -> None:
     """Add the caustic layer at ``count`` vertices.
 
-    No disc reaches far over one of ``edges``. ``radii``: (pixels per footprint, least,
-    most) of this pass, the latter two in metres.
+    Each estimate is divided by the share of its disc within ``borders``. ``radii``:
+    (pixels per footprint, least, most) of this pass, the latter two in metres.
     """
     for k in range(count):
         vertex = vertices[k]
         radius = radii[0] * footprint(camera, vertex.length)
         radius = min(max(radius, radii[1]), radii[2])
         p = vector(vertex.p)
-        radius = fitting_radius(edges, p, radius, LEAST_PART_SEEN)
-        radiance, _ = gather_radiance(
-            photon_map, p, vector(vertex.ng), vector(vertex.ns),
-            vector(vertex.wo), radius, vertex, lobes,
-        )  # fmt: skip
-        add(samples[vertex.slot].caustics, vertex.beta, radiance, 1.0)
+        ng = vector(vertex.ng)
+        radiance, found = gather_radiance(
+            photon_map, p, ng, vector(vertex.ns), vector(vertex.wo), radius, vertex, lobes
+        )
+        if found > 0:
+            share = coverage(borders, p, ng, vertex.entering != 0, radius)
+            add(samples[vertex.slot].caustics, vertex.beta, radiance, 1.0 / share)

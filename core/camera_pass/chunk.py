@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..bsdf.dispatch import NARROW
 from ..bsdf.hit import HIT
 from ..film.film import SAMPLE
-from ..photons.edges import EdgeGrid
+from ..photons.coverage import BorderGrid
 from ..photons.photon_map import PhotonMap
 from ..prepared import Prepared
 from ..scene.camera_data import CameraData
@@ -44,7 +44,7 @@ class Region(NamedTuple):
 class PhotonMaps(NamedTuple):
     """Both maps of a pass, None where the plan has none, and the radii to ask them with.
 
-    ``edges``: those that discs stop at.
+    ``borders``: those of the surfaces, for discs near them.
     ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m].
     """
 
@@ -52,7 +52,7 @@ class PhotonMaps(NamedTuple):
     global_: PhotonMap | None
     caustic_radii: tuple[float, float, float]
     global_radius: float
-    edges: EdgeGrid
+    borders: BorderGrid
     emitted: int
     stored: int
     rays: int
@@ -111,14 +111,14 @@ def trace_chunk(
     if len(ends.vertices):
         if maps.caustic is not None:
             gather_caustics(
-                ends.lobes, prepared.camera, maps.caustic, maps.edges, maps.caustic_radii,
+                ends.lobes, prepared.camera, maps.caustic, maps.borders, maps.caustic_radii,
                 ends.vertices, len(ends.vertices), samples,
             )  # fmt: skip
         far, traced = trace_gather(prepared, settings, i, ends, samples)
         rays.traced += traced
         if maps.global_ is not None:
             gather_indirect(
-                far.lobes, maps.global_, maps.edges, maps.global_radius, far.vertices,
+                far.lobes, maps.global_, maps.borders, maps.global_radius, far.vertices,
                 len(far.vertices), samples,
             )  # fmt: skip
     return Chunk(pixels, samples, rays.traced)

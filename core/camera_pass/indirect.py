@@ -10,7 +10,7 @@ from ..geometry.interaction import leave
 from ..geometry.media import copy_media, cross_surface
 from ..geometry.vector import store, vector
 from ..jit import Row, Table, kernel
-from ..photons.edges import LEAST_PART, fitting_radius
+from ..photons.coverage import coverage
 from ..photons.gather import gather_radiance
 from ..sampling.rng import camera_2d, mix, uniform
 from .records import GATHER, GATHER_LOBE, GATHER_STEP
@@ -77,7 +77,7 @@ def start_gather(
 def gather_indirect(
     lobes: Table,
     photon_map: Row,
-    edges: Row,
+    borders: Row,
     radius: float,
     vertices: Table,
     count: int,
@@ -85,13 +85,15 @@ def gather_indirect(
 ) -> None:
     """Add the indirect layer: ``vertices`` are where the gather rays ended.
 
-    No disc reaches over one of ``edges``.
+    Each estimate is divided by the share of its disc within ``borders``.
     """
     for k in range(count):
         vertex = vertices[k]
         p = vector(vertex.p)
-        radiance, _ = gather_radiance(
-            photon_map, p, vector(vertex.ng), vector(vertex.ns), vector(vertex.wo),
-            fitting_radius(edges, p, radius, LEAST_PART), vertex, lobes,
-        )  # fmt: skip
-        add(samples[vertex.slot].indirect, vertex.beta, radiance, 1.0)
+        ng = vector(vertex.ng)
+        radiance, found = gather_radiance(
+            photon_map, p, ng, vector(vertex.ns), vector(vertex.wo), radius, vertex, lobes
+        )
+        if found > 0:
+            share = coverage(borders, p, ng, vertex.entering != 0, radius)
+            add(samples[vertex.slot].indirect, vertex.beta, radiance, 1.0 / share)

@@ -9,6 +9,11 @@ from __future__ import annotations
 
 from math import exp, lgamma, sqrt
 
+#: ``alpha`` of the global map, at least. Its discs are looked at through final-gather rays,
+#: which blur them, and the bias at borders is divided out (``coverage``): so noise, which
+#: falls as i^-alpha, outweighs the bias that shrinking would remove.
+GLOBAL_ALPHA = 0.95
+
 
 def radius_factor(i: int, alpha: float) -> float:
     """r_i / r_0 for pass ``i`` counted from 0, in closed form through gamma functions."""

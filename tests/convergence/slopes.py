@@ -30,7 +30,8 @@ class Slope(NamedTuple):
 
     ``mse``, ``variance`` and ``bias2`` (squared bias, its own noise taken off) per number
     of ``passes``, relative to the mean square of the truth; ``last`` is the slope over the
-    last three.
+    last three. ``offset`` and ``offset_error``: the image's mean over the truth's, less 1,
+    and its standard error.
     """
 
     layer: str
@@ -42,6 +43,8 @@ class Slope(NamedTuple):
     mse: Image
     variance: Image
     bias2: Image
+    offset: Image
+    offset_error: Image
 
 
 def caustics(size: int = 12) -> tuple[Scene, Image]:
@@ -78,20 +81,41 @@ def direct(size: int = 12) -> tuple[Scene, Image]:
 
 
 def indirect(size: int = 8) -> tuple[Scene, Image]:
-    """A lamp in the middle of a ball: a^2 I / (pi (1 - a)) everywhere, no edges."""
-    scene = scenes.closed_sphere(0.5, np.pi, size)
-    return scene, np.full((size, size), 0.5)
+    """A lamp in the middle of a ball: a^2 Phi / (A pi (1 - a)) everywhere, no borders.
+
+    That is by the flux Phi over the ball's own area A: between the flat faces of 20480 the
+    radiance varies by less than 0.1 %, of 1280 it would be 0.5 % brighter than a true ball.
+    """
+    b = SceneBuilder("closed ball")
+    points, faces = scenes.sphere((0, 0, 0), 1.0, 5)
+    b.add_mesh("shell", points, faces, b.add_material("shell", [diffuse(0.5)]))
+    b.add_point_light("lamp", (0, 0, 0), np.pi)
+    target = (1, 0.3, 0.2)
+    b.set_camera(scenes.camera((0.3, 0.1, 0), target, size, size, fov=np.radians(60)))
+    a, c, d = (points[faces[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(c - a, d - a), axis=1).sum() / 2
+    return b.build(), np.full((size, size), 0.5 * 4 * np.pi / area)
 
 
-#: What is rendered for each layer.
-LAYERS: dict[str, Callable[[], tuple[Scene, Image]]] = {
+def borders(size: int = 8) -> tuple[Scene, Image]:
+    """The inside of a glowing box: as bright along its edges and in its corners as elsewhere.
+
+    Of the radiance e / (1 - a) the walls' own glow and its first reflection are other layers.
+    """
+    return scenes.furnace_box(0.5, 1.0, size), np.full((size, size), 0.5)
+
+
+#: What is rendered for each layer; "borders" is the indirect one where discs stick out.
+CASES: dict[str, Callable[[], tuple[Scene, Image]]] = {
     "emission": emission, "direct": direct, "caustics": caustics, "indirect": indirect,
+    "borders": borders,
 }  # fmt: skip
 _OPTIONS: dict[str, dict[str, Any]] = {
     "emission": {"photons_global": 0, "photons_caustic": 0},
     "direct": {"photons_global": 0, "photons_caustic": 0},
     "caustics": {"photons_global": 0, "photons_caustic": 8192},
     "indirect": {"photons_global": 8192, "photons_caustic": 0},
+    "borders": {"photons_global": 8192, "photons_caustic": 0},
 }
 
 
@@ -125,15 +149,16 @@ def slope_of(layer: str, runs: Image, truth: Image, passes: Sequence[int]) -> Sl
     error = np.sqrt((seeds - 1) * np.var(left_out))
     reach = float(stats.t.ppf(0.995, seeds - 1) * error)
     last = fit(passes[-3:], square.mean(axis=0)[-3:])
+    means = runs.mean(axis=(2, 3)) / truth.mean() - 1
     return Slope(layer, slope, slope - reach, slope + reach, last, tuple(passes),
-                 square.mean(axis=0), variance, bias2)  # fmt: skip
+                 square.mean(axis=0), variance, bias2, means.mean(axis=0),
+                 means.std(axis=0, ddof=1) / np.sqrt(seeds))  # fmt: skip
 
 
-def measure(
-    layer: str, seeds: int = 8, passes: Sequence[int] = PASSES, **options: Any
-) -> Slope:
-    """Render ``layer``'s scene with ``seeds`` seeds at each of ``passes`` and fit."""
-    scene, truth = LAYERS[layer]()
-    chosen = {**_OPTIONS[layer], **options}
+def measure(case: str, seeds: int = 8, passes: Sequence[int] = PASSES, **options: Any) -> Slope:
+    """Render ``case`` with ``seeds`` seeds at each of ``passes`` and fit."""
+    scene, truth = CASES[case]()
+    chosen = {**_OPTIONS[case], **options}
+    layer = "indirect" if case == "borders" else case
     runs = np.array([snapshots(scene, layer, passes, k, **chosen) for k in range(seeds)])
-    return slope_of(layer, runs, truth, passes)
+    return slope_of(case, runs, truth, passes)

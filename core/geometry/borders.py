@@ -1,0 +1,210 @@
+"""Borders: where surfaces end or fold, so that no photon of theirs lies beyond.
+
+A half edge (a side of a face) is a border when no other face goes on smoothly from it. It
+is cut into pieces, and beside each piece rays look for another surface that takes over: the
+desk around a sheet of paper, a wall built of tiles.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .intersector import Intersector
+from .mesh import Mesh
+
+Floats = NDArray[np.float64]
+#: Faces that meet at a fold sharper than this cosine (45 degrees) make a border.
+SMOOTH_COSINE = 0.7
+#: Neighbours in the sorted list of half edges that are compared: faces at one edge.
+_FAN = 16
+#: Parts of the longest pieces that are probed, each by itself.
+_PARTS = 8
+#: An edge of more pieces is left out: its surface is too wide for its rim to matter much.
+_MOST_STEPS = 4096
+#: How far from a border its surroundings are probed, relative to the piece, and relative to
+#: the largest coordinate, where float32 ends.
+_PROBE, _LEAST_PROBE = 0.01, 1e-5
+#: Borders are the same when their ends agree to this part of the scene.
+_SAME = 1e-5
+#: ... and their faces lie on one side, to this cosine.
+_ONE_PLANE = 0.99
+
+
+class Borders(NamedTuple):
+    """Pieces of borders.
+
+    ends (E, 2, 3) f8, counter-clockwise about the unit normal (E, 3) f8 of their face; gap
+    (E,) f8: how far above or below that plane a surface goes on beside it [m], inf if none.
+    """
+
+    ends: Floats
+    normal: Floats
+    gap: Floats
+
+
+def no_borders() -> Borders:
+    """Of a scene without surfaces that hold photons."""
+    return Borders(np.zeros((0, 2, 3)), np.zeros((0, 3)), np.zeros(0))
+
+
+def borders_of(
+    mesh: Mesh,
+    holds: NDArray[np.bool_],
+    intersector: Intersector,
+    longest: float,
+    most: int,
+) -> Borders:
+    """Borders of the faces that ``holds`` (F,), at most ``most`` pieces, ``longest`` [m] each.
+
+    In scenes with more the shortest edges are left out: those of leaves and hair, which are
+    smaller than any disc.
+    """
+    face, side = border_sides(mesh, np.flatnonzero(holds))
+    corners = mesh.vertices[mesh.faces[face]].astype(np.float64)
+    rows = np.arange(len(face))
+    ends = np.stack([corners[rows, side], corners[rows, (side + 1) % 3]], axis=1)
+    normal = _normals(corners)
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    used = (length > 0) & (normal != 0).any(axis=1) & (length <= _MOST_STEPS * longest)
+    steps = np.ceil(length / longest).astype(np.int64)
+    used &= length >= _least_length(length[used], steps[used], most)
+    if not used.any():
+        return no_borders()
+    ends, normal, steps = ends[used], normal[used], steps[used]
+    first = _first_of_each(ends, normal, _SAME * float(np.abs(mesh.vertices).max()))
+    pieces, normal = _cut(ends[first], normal[first], steps[first])
+    length = np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1)
+    counts = np.ceil(_PARTS * length / longest).astype(np.int64)
+    parts, own = _cut(pieces, normal, counts)
+    gap = _gaps(mesh, holds, intersector, parts, own)
+    # Where all parts of a piece are alike they stay one.
+    begin = np.cumsum(counts) - counts
+    same = np.add.reduceat((gap == np.repeat(gap[begin], counts)).astype(np.int64), begin)
+    alike = same == counts
+    split = np.repeat(~alike, counts)
+    return Borders(
+        np.concatenate([pieces[alike], parts[split]]),
+        np.concatenate([normal[alike], own[split]]),
+        np.concatenate([gap[begin[alike]], gap[split]]),
+    )
+
+
+def _cut(ends: Floats, normal: Floats, steps: NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """Each edge cut into ``steps`` (E,) equal parts, in order: (ends, normal)."""
+    edge = np.repeat(np.arange(len(ends)), steps)
+    step = np.arange(len(edge)) - np.repeat(np.cumsum(steps) - steps, steps)
+    t = (np.stack([step, step + 1], axis=1) / steps[edge][:, None])[..., None]
+    return ends[edge, :1] * (1 - t) + ends[edge, 1:] * t, normal[edge]
+
+
+def border_sides(
+    mesh: Mesh, chosen: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Faces and sides (B,) from which none of the ``chosen`` faces goes on; side k starts at k.
+
+    Faces of different objects, or flat ones, may have corners of their own at one place.
+    """
+    if len(chosen) == 0:
+        return np.zeros(0, np.intp), np.zeros(0, np.intp)
+    corner = _places(mesh.vertices)[mesh.faces[chosen]]
+    inward = _inward(mesh.vertices[mesh.faces[chosen]].astype(np.float64)).reshape(-1, 3)
+    first, second = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
+    key = np.minimum(first, second) * (corner.max() + 1) + np.maximum(first, second)
+    order = np.argsort(key, kind="stable")
+    ends = np.ones(len(key), np.bool_)
+    for step in range(1, min(_FAN, len(key))):
+        same = np.flatnonzero(key[order[:-step]] == key[order[step:]])
+        if len(same) == 0:
+            break
+        a, b = order[same], order[same + step]
+        on = (inward[a] * inward[b]).sum(axis=1) < -SMOOTH_COSINE
+        ends[a[on]] = ends[b[on]] = False
+    side = np.flatnonzero(ends)
+    return chosen[side // 3], side % 3
+
+
+def _places(vertices: NDArray[np.float32]) -> NDArray[np.int64]:
+    """A number (V,) for the place of each vertex: those at one place share it."""
+    order = np.lexsort(vertices.T)
+    new = np.ones(len(order), np.int64)
+    new[1:] = (vertices[order[1:]] != vertices[order[:-1]]).any(axis=1)
+    place = np.zeros(len(order), np.int64)
+    place[order] = np.cumsum(new) - 1
+    return place
+
+
+def _normals(corners: Floats) -> Floats:
+    """Unit normals (F, 3) of triangles (F, 3, 3), zero where there is none."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    unit: Floats = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    return unit
+
+
+def _inward(corners: Floats) -> Floats:
+    """Unit vectors (F, 3, 3) in each face's plane, from each of its sides inwards."""
+    side = np.roll(corners, -1, axis=1) - corners
+    way = np.cross(_normals(corners)[:, None], side)
+    unit: Floats = way / np.maximum(np.linalg.norm(way, axis=2, keepdims=True), 1e-300)
+    return unit
+
+
+def _first_of_each(ends: Floats, normal: Floats, step: float) -> NDArray[np.bool_]:
+    """Which edges (E,) are the first with their ends: a face may lie there twice.
+
+    The faces must lie on one side of it. Edges shorter than ``step`` all differ.
+    """
+    inward = np.cross(normal, ends[:, 1] - ends[:, 0])
+    place = np.floor(ends / step + 0.5).astype(np.int64).reshape(-1, 3)
+    number = np.unique(place, axis=0, return_inverse=True)[1].reshape(-1, 2)
+    number.sort(axis=1)
+    key = number[:, 0] * len(place) + number[:, 1]
+    order = np.argsort(key, kind="stable")
+    unit = inward / np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), 1e-300)
+    first = np.ones(len(key), np.bool_)
+    for far in range(1, min(_FAN, len(key))):
+        same = np.flatnonzero(key[order[:-far]] == key[order[far:]])
+        if len(same) == 0:
+            break
+        a, b = order[same], order[same + far]
+        first[b[(unit[a] * unit[b]).sum(axis=1) > _ONE_PLANE]] = False
+    first[number[:, 0] == number[:, 1]] = True
+    return first
+
+
+def _least_length(length: Floats, steps: NDArray[np.int64], most: int) -> float:
+    """Length from which on edges have at most ``most`` pieces together."""
+    order = np.argsort(-length, kind="stable")
+    count = int(np.searchsorted(np.cumsum(steps[order]), most, side="right"))
+    if count == len(length):
+        return 0.0
+    # Edges about as long as the first that is too many are left out together.
+    return 2.0 * float(length[order[count]])
+
+
+def _gaps(
+    mesh: Mesh, holds: NDArray[np.bool_], intersector: Intersector, pieces: Floats, up: Floats
+) -> Floats:
+    """``Borders.gap`` of pieces (E, 2, 3) of faces with the normals ``up`` (E, 3)."""
+    along = pieces[:, 1] - pieces[:, 0]
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    outward = np.cross(along / np.maximum(length, 1e-300), up)
+    step = np.maximum(_PROBE * length, _LEAST_PROBE * np.abs(mesh.vertices).max())
+    beside = pieces.mean(axis=1) + step * outward
+    gap = np.full(len(pieces), np.inf)
+    for sign in (1.0, -1.0):
+        # Each ray starts on the other side of the plane, so both see what lies in it.
+        origin = (beside + sign * step * up).astype(np.float32)
+        hits = intersector.nearest(origin, (-sign * up).astype(np.float32))
+        hit = np.flatnonzero(hits.face >= 0)
+        hit = hit[holds[hits.face[hit]]]
+        corners = mesh.vertices[mesh.faces[hits.face[hit]]].astype(np.float64)
+        normal = _normals(corners)
+        cosine = (normal * up[hit]).sum(axis=1)
+        flat = np.abs(cosine) > SMOOTH_COSINE
+        hit, corners, normal, cosine = hit[flat], corners[flat], normal[flat], cosine[flat]
+        height = ((corners[:, 0] - beside[hit]) * normal).sum(axis=1) / cosine
+        gap[hit] = np.minimum(gap[hit], np.abs(height))
+    return gap

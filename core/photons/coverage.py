@@ -1,0 +1,152 @@
+"""How much of a gather disc lies on the surface: the remedy for dark borders.
+
+A density estimate divides by the area of its disc. Beyond the edge of a table or the corner
+of a room there is no surface that could hold photons of this one, and the estimate is too
+dark, by a half at the border itself (boundary bias: Jensen 2001, section 7.2). Divided by
+the share of the kernel that lies on surfaces it is right for even light.
+
+The share is a sum over the borders near by (Green's theorem): a piece of a border hides, of
+the sector that it spans about the disc's middle, what lies beyond it; one seen from behind
+begins another part of the surface and adds as much. So the surface may have any shape, holes
+and separate parts included, and the pieces stand in no order.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.borders import Borders
+from ..geometry.vector import Vector, basis, dot, read, scale, subtract
+from ..jit import Row, Table, kernel
+from .cells import bucket_of, cell_key
+from .gather import LEAST_COSINE, MOST_HEIGHT
+
+#: Least share that an estimate is divided by.
+LEAST_SHARE = 0.1
+#: Pieces of borders, each cut into 8 at most where its sides differ (80 bytes, and up to 8
+#: entries of 12 bytes in the grid).
+MOST_PIECES = 100_000
+#: A cell with more pieces is left without: its surfaces are finer than the disc.
+MOST_IN_CELL = 256
+#: Faces turned over belong to a surface when they lie in its plane, to this part of the
+#: radius; else they are the back of something thin.
+_IN_PLANE = 1e-3
+
+
+class BorderGrid(NamedTuple):
+    """Borders in the cells of a hashed grid.
+
+    ends, normal, gap: see ``Borders``; for each entry its cell ``keys`` (P,) i8 and
+    ``piece`` (P,) i4; ``start`` (B+1,) i4 of the buckets; ``cell`` [m].
+    """
+
+    ends: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    gap: NDArray[np.float64]
+    keys: NDArray[np.int64]
+    piece: NDArray[np.int32]
+    start: NDArray[np.int32]
+    cell: float
+
+
+def border_grid(borders: Borders, radius: float) -> BorderGrid:
+    """Put each piece, at most ``radius`` long, into the cells within ``radius`` of it."""
+    cell = 2.0 * radius
+    low = np.floor((borders.ends.min(axis=1) - radius) / cell).astype(np.int64)
+    high = np.floor((borders.ends.max(axis=1) + radius) / cell).astype(np.int64)
+    places, owners = [], []
+    # A piece's box with its margin is at most 3 radii wide: up to 3 cells.
+    for dx, dy, dz in np.ndindex(3, 3, 3):
+        place = low + (dx, dy, dz)
+        inside = np.flatnonzero((place <= high).all(axis=1))
+        places.append(place[inside])
+        owners.append(inside.astype(np.int32))
+    cells, piece = np.concatenate(places), np.concatenate(owners)
+    keys = np.zeros(len(cells), np.int64)
+    bucket = np.zeros(len(cells), np.int32)
+    buckets = 1 << max(4, math.ceil(math.log2(max(1, len(cells)))))
+    find_buckets(cells, buckets, keys, bucket)
+    _, inverse, count = np.unique(keys, return_inverse=True, return_counts=True)
+    few = np.flatnonzero(count[inverse.reshape(-1)] <= MOST_IN_CELL)
+    few = few[np.argsort(bucket[few], kind="stable")]
+    start = np.zeros(buckets + 1, np.int32)
+    start[1:] = np.cumsum(np.bincount(bucket[few], minlength=buckets))
+    return BorderGrid(*borders, keys[few], piece[few], start, cell)
+
+
+@kernel
+def find_buckets(cells: Table, buckets: int, keys: Table, bucket: Table) -> None:
+    """Key and bucket of each of ``cells`` (P, 3) i8."""
+    for k in range(len(cells)):
+        keys[k] = cell_key(cells[k, 0], cells[k, 1], cells[k, 2])
+        bucket[k] = bucket_of(keys[k], buckets)
+
+
+@kernel
+def _primitive(distance: float, along: float) -> float:
+    """Integral of (1 - (distance / cos)^2)^2 over the angle, up to ``along`` on the line."""
+    square = distance * distance
+    rest = square + along * along / 3.0 - 2.0
+    return math.atan2(along, distance) + distance * along * rest
+
+
+@kernel
+def share_beyond(x0: float, y0: float, x1: float, y1: float) -> float:
+    """Share of the Epanechnikov kernel of radius 1 beyond a line from (x0, y0) to (x1, y1).
+
+    Seen from the middle along a ray, (1 - x^2)^2 / (2 pi) of it per angle lies beyond x.
+    Negative where the line runs clockwise about the middle.
+    """
+    dx = x1 - x0
+    dy = y1 - y0
+    length = math.sqrt(dx * dx + dy * dy)
+    if length <= 0.0:
+        return 0.0
+    turn = (x0 * y1 - x1 * y0) / length
+    distance = abs(turn)
+    if distance >= 1.0:
+        return 0.0
+    half = math.sqrt(1.0 - distance * distance)
+    first = min(max((x0 * dx + y0 * dy) / length, -half), half)
+    last = min(max((x1 * dx + y1 * dy) / length, -half), half)
+    share = (_primitive(distance, last) - _primitive(distance, first)) / (2.0 * math.pi)
+    return share if turn >= 0.0 else -share
+
+
+@kernel
+def coverage(grid: Row, p: Vector, ng: Vector, outside: bool, radius: float) -> float:
+    """Share of the kernel's disc about ``p`` that lies on surfaces; at least ``LEAST_SHARE``.
+
+    ``outside`` tells that ``ng`` is the side that the face's winding calls outside. Counts
+    as surface what ``photon_weight`` would count photons of.
+    """
+    key = cell_key(
+        int(math.floor(p[0] / grid.cell)),
+        int(math.floor(p[1] / grid.cell)),
+        int(math.floor(p[2] / grid.cell)),
+    )
+    bucket = bucket_of(key, len(grid.start) - 1)
+    n = ng if outside else scale(ng, -1.0)
+    t, s = basis(n)
+    share = 1.0
+    for k in range(grid.start[bucket], grid.start[bucket + 1]):
+        e = grid.piece[k]
+        if grid.keys[k] != key or grid.gap[e] <= MOST_HEIGHT * radius:
+            continue
+        cosine = dot(read(grid.normal, e), n)
+        if abs(cosine) < LEAST_COSINE:
+            continue
+        a = subtract(read(grid.ends[e], 0), p)
+        b = subtract(read(grid.ends[e], 1), p)
+        height = 0.5 * abs(dot(a, n) + dot(b, n))
+        if height > (MOST_HEIGHT if cosine > 0.0 else _IN_PLANE) * radius:
+            continue
+        part = share_beyond(
+            dot(a, t) / radius, dot(a, s) / radius, dot(b, t) / radius, dot(b, s) / radius
+        )
+        share -= part if cosine > 0.0 else -part
+    return min(1.0, max(LEAST_SHARE, share))

@@ -1,0 +1,31 @@
+"""Meshes as kernels see them, from vertices and faces."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from photon_map.core.geometry.mesh import Mesh
+
+
+def mesh_of(vertices: ArrayLike, faces: ArrayLike) -> Mesh:
+    """A flat mesh that all rays see."""
+    faces = np.asarray(faces, np.int32)
+    count = len(faces)
+    return Mesh(
+        vertices=np.asarray(vertices, np.float32),
+        faces=faces,
+        normals=np.zeros((count, 3, 3), np.float32),
+        smooth=np.zeros(count, np.bool_),
+        material=np.zeros(count, np.int32),
+        visible=np.full(count, 31, np.int32),
+    )
+
+
+def joined(*parts: tuple[ArrayLike, ArrayLike]) -> Mesh:
+    """One mesh of (vertices, faces) pairs that share no corner."""
+    starts = np.cumsum([0, *(len(np.asarray(vertices)) for vertices, _ in parts)])
+    faces = [
+        np.asarray(faces) + start for (_, faces), start in zip(parts, starts, strict=False)
+    ]
+    return mesh_of(np.concatenate([vertices for vertices, _ in parts]), np.concatenate(faces))
