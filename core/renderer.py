@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import deque
@@ -12,7 +13,7 @@ from itertools import islice
 from typing import Any, TypeVar
 
 from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
-from .film.film import Film
+from .film.film import Film, StatedError
 from .jit import has_compiled, set_compiled
 from .photon_pass import Batch, photon_batches, photon_maps, pilot_radii, trace_batch
 from .pilot import Radii
@@ -64,7 +65,7 @@ class _Render:
         # Chunks queued at a time: enough for every thread, few enough for the memory.
         self.in_flight = 2 * settings.thread_count + 2
         self.compiling = True
-        self.error = float("inf")
+        self.error = StatedError(math.inf, 0.0)
         self.error_passes = 0
 
     def updates(self) -> Iterator[Update]:
@@ -103,13 +104,15 @@ class _Render:
         setup = phase == "setup"
         passes = self.film.passes
         if passes != self.error_passes:
-            self.error = self.film.relative_error()
+            self.error = self.film.stated_error()
             self.error_passes = passes
         return Update(
             phase=phase,
             passes=passes,
             film=self.film,
-            relative_error=self.error,
+            relative_error=self.error.relative_error,
+            noise=self.error.noise,
+            bias=self.error.bias,
             seconds=0.0 if setup else now - self.render_begin,
             setup_seconds=(now if setup else self.render_begin) - self.begin,
             plan=self.plan,
@@ -134,7 +137,7 @@ class _Render:
         film = Film(pixels.count, 1)
         for i in range(2):
             film.add(i, 0, chunk.samples)
-        film.relative_error()
+        film.stated_error()
 
     def _passes(
         self, prepared: Prepared, radii: Radii, batches: list[Batch]

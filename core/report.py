@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """The estimated relative RMSE after ``passes`` passes and ``seconds`` of rendering."""
+    """The stated error after ``passes`` passes and ``seconds`` of rendering."""
 
     passes: int
     seconds: float
     relative_error: float
+    noise: float
+    bias: float
 
 
 class ErrorCurve:
@@ -39,7 +41,13 @@ class ErrorCurve:
         """Keep the update when it has passes that the last point had not."""
         if update.passes > (self._points[-1].passes if self._points else 0):
             self._points.append(
-                CurvePoint(update.passes, update.seconds, update.relative_error)
+                CurvePoint(
+                    update.passes,
+                    update.seconds,
+                    update.relative_error,
+                    update.noise,
+                    update.bias,
+                )  # fmt: skip
             )
 
 
@@ -60,8 +68,9 @@ def render_report(
     """The report of a render that ended with ``update``.
 
     Times are seconds; ``relative_error`` is the square root of the image's estimated
-    relative mean squared error (0.1: 10 % in a typical pixel). A number that is not known
-    yet, or not finite, is None: JSON has no word for it.
+    relative mean squared error (0.1: 10 % in a typical pixel), ``noise`` and ``bias`` are
+    its parts, whose squares add up. A number that is not known yet, or not finite, is
+    None: JSON has no word for it.
     """
     film = update.film
     statistics = film.statistics
@@ -81,6 +90,8 @@ def render_report(
         "rays": int(statistics.rays),
         "non_finite": int(statistics.non_finite),
         "relative_error": _finite(update.relative_error),
+        "noise": _finite(update.noise),
+        "bias": _finite(update.bias),
         "plan": [
             {"stage": stage.name, "on": bool(stage.on), "reason": stage.reason}
             for stage in update.plan.stages
@@ -90,6 +101,8 @@ def render_report(
                 "pass": point.passes,
                 "seconds": _finite(point.seconds),
                 "relative_error": _finite(point.relative_error),
+                "noise": _finite(point.noise),
+                "bias": _finite(point.bias),
             }
             for point in curve
         ],

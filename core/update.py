@@ -16,7 +16,8 @@ class Update:
     """The state of a render at one moment.
 
     ``passes``: whole passes in ``film``, which goes on changing when the render is pulled
-    again; ``relative_error``: see ``Film.relative_error``; ``seconds``: rendering alone;
+    again; ``relative_error``, ``noise``, ``bias``: see ``Film.stated_error``; ``seconds``:
+    rendering alone;
     ``setup_seconds``: building and compiling before it.
     """
 
@@ -24,6 +25,8 @@ class Update:
     passes: int
     film: Film
     relative_error: float
+    noise: float
+    bias: float
     seconds: float
     setup_seconds: float
     plan: Plan

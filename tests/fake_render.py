@@ -55,6 +55,8 @@ class FakeUpdate:
     phase: str = "render"
     seconds: float = 0.0
     relative_error: float = math.inf
+    noise: float = math.inf
+    bias: float = 0.0
     setup_seconds: float = 0.5
     message: str = ""
     plan: SimpleNamespace = field(default_factory=lambda: PLAN)

@@ -9,14 +9,22 @@ from ..jit import Table, kernel
 
 @kernel
 def add_samples(
-    total: Table, count: Table, part_sum: Table, part_count: Table, samples: Table, light: int
+    total: Table,
+    count: Table,
+    part_sum: Table,
+    part_count: Table,
+    shrink: Table,
+    samples: Table,
+    light: int,
 ) -> int:
     """Add one sample to each pixel; the number of samples that were not finite.
 
-    All rows belong to the same pixels: ``total`` and ``samples`` (n, C), ``count`` and
-    ``part_count`` (n,), ``part_sum`` (n, 3) the sum of the first ``light`` columns by
-    colour. A sample with a NaN or infinity counts as black.
+    All rows belong to the same pixels: ``samples`` (n, C + 3), ``total`` (n, C),
+    ``count`` and ``part_count`` (n,), ``part_sum`` (n, 3) the sum of the first ``light``
+    columns by colour, ``shrink`` (n, 3) that of the last three. A sample with a NaN or
+    infinity counts as black.
     """
+    columns = total.shape[1]
     bad = 0
     for k in range(len(samples)):
         count[k] += 1
@@ -27,8 +35,10 @@ def add_samples(
         if not finite:
             bad += 1
             continue
-        for c in range(samples.shape[1]):
+        for c in range(columns):
             total[k, c] += samples[k, c]
+        for c in range(3):
+            shrink[k, c] += samples[k, columns + c]
         for c in range(light):
             part_sum[k, c % 3] += samples[k, c]
     return bad
@@ -62,8 +72,29 @@ def variance_of_mean(part_sum: Table, part_count: Table, out: Table, mean: Table
 
 
 @kernel
-def relative_mean(variance: Table, mean: Table) -> float:
-    """mean(variance / (mean^2 + 0.01 mean(mean)^2)) over (n, 3); 0 for a black image."""
+def bias_square(shrink: Table, part_count: Table, factor: float, out: Table) -> None:
+    """Squared bias of each pixel, (n, 3), without the noise of its estimate.
+
+    ``shrink`` (2, n, 3): what the estimates lose when their radius shrinks, summed over
+    the even and over the odd replicates of ``part_count`` (R, n). The two halves have
+    nothing in common but their mean, so their product is its square in expectation; a
+    single one may be negative.
+    """
+    for k in range(len(out)):
+        even = 0
+        odd = 0
+        for r in range(0, len(part_count), 2):
+            even += part_count[r, k]
+            odd += part_count[r + 1, k]
+        for c in range(3):
+            a = shrink[0, k, c] / max(even, 1)
+            b = shrink[1, k, c] / max(odd, 1)
+            out[k, c] = factor * factor * a * b
+
+
+@kernel
+def relative_mean(square: Table, mean: Table) -> float:
+    """mean(square / (mean^2 + 0.01 mean(mean)^2)) over (n, 3); 0 for a black image."""
     whole = 0.0
     for k in range(len(mean)):
         whole += mean[k, 0] + mean[k, 1] + mean[k, 2]
@@ -74,5 +105,5 @@ def relative_mean(variance: Table, mean: Table) -> float:
         for c in range(3):
             scale = mean[k, c] * mean[k, c] + floor
             if scale > 0.0:
-                total += variance[k, c] / scale
+                total += square[k, c] / scale
     return total / (3.0 * len(mean))

@@ -21,6 +21,8 @@ class FakeUpdate:
     passes: int
     seconds: float = 1.0
     relative_error: float = math.inf
+    noise: float = math.inf
+    bias: float = 0.0
     setup_seconds: float = 0.5
     film: SimpleNamespace = field(
         default_factory=lambda: SimpleNamespace(
@@ -39,7 +41,12 @@ class FakeUpdate:
 
 def test_the_report_has_the_promised_keys_and_is_json():
     curve = ErrorCurve()
-    for update in (FakeUpdate(0), FakeUpdate(1), FakeUpdate(1), FakeUpdate(3, 2.5, 0.125)):
+    for update in (
+        FakeUpdate(0),
+        FakeUpdate(1),
+        FakeUpdate(1),
+        FakeUpdate(3, 2.5, 0.125, 0.12, 0.035),
+    ):
         curve.add(update)
     scene = SceneBuilder("box").build()
     settings = Settings(seed=9, threads=2)
@@ -60,10 +67,12 @@ def test_the_report_has_the_promised_keys_and_is_json():
         "rays": 20,
         "non_finite": 0,
         "relative_error": 0.125,
+        "noise": 0.12,
+        "bias": 0.035,
         "plan": [{"stage": "caustics", "on": True, "reason": "a caster"}],
         "curve": [
-            {"pass": 1, "seconds": 1.0, "relative_error": None},
-            {"pass": 3, "seconds": 2.5, "relative_error": 0.125},
+            {"pass": 1, "seconds": 1.0, "relative_error": None, "noise": None, "bias": 0.0},
+            {"pass": 3, "seconds": 2.5, "relative_error": 0.125, "noise": 0.12, "bias": 0.035},
         ],
     }
 

@@ -63,6 +63,46 @@ def test_the_stated_error_is_the_true_one():
         )
 
 
+def biased(seed, passes, lost, noise):
+    """Samples whose discs would lose ``lost`` on average with half their area."""
+    rng = np.random.default_rng(seed)
+    film = Film(W, H)
+    for i in range(passes):
+        s = np.zeros(W * H, SAMPLE)
+        s["caustics"] = 1.0
+        s["shrink"] = lost + rng.normal(0.0, noise, (W * H, 3)) if noise else lost
+        film.add(i, 0, s)
+    return film
+
+
+def test_the_stated_bias_is_twice_what_half_the_area_loses():
+    error = biased(0, 8, 0.02, 0.0).stated_error()
+    # Relative to 1 and to the 0.01 that keeps dark pixels from counting for all.
+    assert error.bias == pytest.approx(0.04 / np.sqrt(1.01), rel=1e-9)
+    assert error.noise == 0.0
+    assert error.relative_error == error.bias
+
+
+def test_noise_of_the_bias_is_not_taken_for_bias():
+    # With noise ten times what is lost, 8 passes: a plain square would say 0.076.
+    found = [biased(seed, 8, 0.01, 0.1).stated_error().bias ** 2 * 1.01 for seed in range(16)]
+    error = np.std(found, ddof=1) / 4
+    assert error < 1e-4
+    assert abs(np.mean(found) - 0.02**2) < 4 * error
+
+
+def test_the_error_of_a_pixel_is_in_its_layer():
+    film = filled(np.random.default_rng(1), 16)
+    error = film.resolve("error")
+    assert error.shape == (H, W, 1)
+    mean = film.resolve("combined")[..., :3].astype(float)
+    # Mean square of distances from the known 1.5, within 5 deviations of 1200 pixels' worth.
+    assert (error.astype(float) ** 2).mean() == pytest.approx(
+        ((mean - 1.5) ** 2).mean(), rel=0.2
+    )
+    assert (biased(0, 8, 0.02, 0.0).resolve("error") == np.float32(0.04)).all()
+
+
 def test_a_bad_sample_is_counted_and_left_out():
     film = Film(W, H)
     s = samples(np.random.default_rng(0))
