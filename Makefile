@@ -65,7 +65,7 @@ test-core: env-core
 
 # Both Blenders where both Pythons are at hand; the document says which one was not.
 accuracy:
-	@tools/make_env.sh .venv-accuracy blender,cli,dev,accuracy "3.11 3.13" "$(PYTHON)"
+	@tools/make_env.sh .venv-accuracy blender,cli,dev "3.11 3.13" "$(PYTHON)"
 	@.venv-accuracy/bin/python -m photon_map.blender_libraries
 	@case "$$(.venv-accuracy/bin/python -V)" in *3.11*) other=3.13;; *) other=3.11;; esac; \
 		tools/make_env.sh .venv-accuracy-other blender,cli,dev "$$other" || true; \

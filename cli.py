@@ -30,6 +30,7 @@ from .core.scene.dump import save_scene
 from .core.scene.scene import SceneError
 from .core.settings import Settings, SettingsError
 from .core.version import ENGINE, VERSION
+from .curve_file import curve_title, write_curve_plot, write_curve_table
 from .image_file import Frame, write_exr
 from .progress import ProgressDisplay, describe
 from .source import CommandError, Loaded, Source
@@ -111,7 +112,12 @@ def render(
     threads: Annotated[int | None, typer.Option(help="Threads; 0 takes every core.")] = None,
     filter_: Annotated[PixelFilter | None, typer.Option("--filter")] = None,
     filter_width: Annotated[float | None, typer.Option(metavar="PX")] = None,
-    report: Annotated[Path | None, typer.Option(metavar="R.json")] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="R.json", help="Counts, times, errors; R.csv and R.svg: the curve."
+        ),
+    ] = None,
     save_scene_to: Annotated[
         Path | None, typer.Option("--save-scene", metavar="S.npz", help="Keep the scene.")
     ] = None,
@@ -134,7 +140,7 @@ def render(
         others = [path for path in (report, save_scene_to) if path is not None]
         if save_scene_to is not None and save_scene_to.suffix.lower() != ".npz":
             raise CommandError(f"'{save_scene_to}': a scene is saved to an .npz file")
-        outputs = [*pictures.values(), *others]
+        outputs = [*pictures.values(), *others, *(_beside(report) if report else ())]
         for path in outputs:
             _check_writable(path, source.path)
         if len({os.path.realpath(path) for path in outputs}) < len(outputs):
@@ -241,6 +247,11 @@ def _pictures(outputs: list[Path]) -> dict[str, Path]:
     return pictures
 
 
+def _beside(report: Path) -> tuple[Path, Path]:
+    """Where the curve of a report goes: a table and a plot."""
+    return report.with_suffix(".csv"), report.with_suffix(".svg")
+
+
 def _check_writable(path: Path, source: Path) -> None:
     """Raise ``CommandError`` when ``path`` could not be written after the render."""
     if path.exists() and not path.is_file():
@@ -292,10 +303,16 @@ def _render_to(
             data = render_report(result.update, result.scene, result.settings, curve.points)
             text = json.dumps(data, indent=2, allow_nan=False) + "\n"
             stack.enter_context(replacing(report)).write_text(text, encoding="utf-8")
+            film = result.update.film
+            title = curve_title(result.scene.name, film.width, film.height)
+            table, plot = _beside(report)
+            write_curve_table(stack.enter_context(replacing(table)), curve.points)
+            write_curve_plot(stack.enter_context(replacing(plot)), curve.points, title)
         if scene_file is not None:
             save_scene(scene_file, result.scene, result.settings)
     _warn(*result.warnings, *result.update.plan.warnings)
-    written = [path for path in (*pictures.values(), report, scene_file) if path is not None]
+    written = [*pictures.values(), *((report, *_beside(report)) if report else ())]
+    written += [scene_file] if scene_file else []
     typer.echo(f"{describe(result.update)}: wrote {', '.join(map(str, written))}")
     return interrupt.asked
 

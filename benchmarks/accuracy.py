@@ -3,8 +3,8 @@
     python benchmarks/accuracy.py [--python OTHER_PYTHON ...] [--only PART ...]
 
 PART: parity, caustics, convergence, stability. ``--python`` adds a Python with another bpy to
-the parity suite; one that is not there is named in the document. Needs the ``dev``, ``cli``,
-``blender`` and ``accuracy`` extras. The document has no times or dates: the same code and
+the parity suite; one that is not there is named in the document. Needs the ``dev``, ``cli``
+and ``blender`` extras. The document has no times or dates: the same code and
 wheels write the same text.
 """
 

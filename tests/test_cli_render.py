@@ -53,7 +53,14 @@ def test_layers_add_up_and_the_report_counts(tmp_path: Path):
     )
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
-    assert sorted(os.listdir(tmp_path)) == ["b.exr", "b.json", "b.png", "box.npz"]
+    assert sorted(os.listdir(tmp_path)) == [
+        "b.csv",
+        "b.exr",
+        "b.json",
+        "b.png",
+        "b.svg",
+        "box.npz",
+    ]
     pixels = channels(tmp_path / "b.exr")
     for letter in "RGB":
         parts = [pixels[f"{name}.{letter}"] for name in ("emission", "direct", "caustics")]
@@ -70,6 +77,13 @@ def test_layers_add_up_and_the_report_counts(tmp_path: Path):
     assert report["non_finite"] == 0
     assert report["curve"][-1]["pass"] == 4
     assert 0 < report["relative_error"] == report["curve"][-1]["relative_error"]
+    assert report["noise"] > 0 and report["bias"] >= 0
+    squares = report["noise"] ** 2 + report["bias"] ** 2
+    assert report["relative_error"] ** 2 == pytest.approx(squares, rel=1e-9)
+    rows = (tmp_path / "b.csv").read_text().splitlines()
+    assert rows[0] == "pass,seconds,relative_error,noise,bias"
+    assert rows[-1].startswith("4,") and len(rows) == len(report["curve"]) + 1
+    assert pixels["error.V"].shape == (16, 16) and pixels["error.V"].min() > 0
     assert {stage["stage"] for stage in report["plan"] if stage["on"]} >= {"direct", "caustics"}
     with Image.open(tmp_path / "b.png") as image:
         assert image.size == (16, 16)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from ..geometry.vector import Vector, store
+from ..geometry.vector import Vector, store, times
 from ..jit import Row, Table, kernel
 from .albedo import (
     albedo_ggx,
@@ -40,12 +40,6 @@ LEAST_WEIGHT = 1e-7
 _LEAST_DIFFUSE_ROUGHNESS = 1e-5
 _WHITE = (1.0, 1.0, 1.0)
 _BLACK = (0.0, 0.0, 0.0)
-
-
-@kernel
-def times(a: Vector, b: Vector) -> Vector:
-    """Product per channel."""
-    return a[0] * b[0], a[1] * b[1], a[2] * b[2]
 
 
 @kernel

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from ..geometry.vector import Vector, scale
+from ..geometry.vector import Vector, scale, times
 from ..jit import Row, Table, kernel
 from .closure import (
     clamped,
@@ -19,7 +19,6 @@ from .closure import (
     put_reflection,
     put_sheen,
     put_tinted_glass,
-    times,
 )
 from .fresnel import normal_reflectance
 from .lobe import TRANSPARENT

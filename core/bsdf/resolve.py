@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..geometry.vector import Vector, dot, scale, vector
+from ..geometry.vector import Vector, dot, scale, times, vector
 from ..jit import Row, Table, kernel
 from ..scene.tables import ClosureKind
 from ..textures.sampling import param_color, param_number
@@ -14,7 +14,6 @@ from .closure import (
     put_metal,
     put_plain,
     put_sheen,
-    times,
 )
 from .lobe import GGX_REFRACTION, NO_FRESNEL, TRANSLUCENT, TRANSPARENT
 from .principled import put_principled

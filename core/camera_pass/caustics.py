@@ -7,11 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.vector import vector
 from ..jit import Row, Table, kernel
-from ..photons.coverage import coverage
-from ..photons.gather import gather_radiance
-from .seen import add
+from .estimate import add_estimate
 
 
 @kernel
@@ -55,18 +52,11 @@ def gather_caustics(
 ) -> None:
     """Add the caustic layer at ``count`` vertices.
 
-    Each estimate is divided by the share of its disc within ``borders``. ``radii``:
-    (pixels per footprint, least, most) of this pass, the latter two in metres.
+    ``radii``: (pixels per footprint, least, most) of this pass, the latter two in metres.
     """
     for k in range(count):
         vertex = vertices[k]
         radius = radii[0] * footprint(camera, vertex.length)
         radius = min(max(radius, radii[1]), radii[2])
-        p = vector(vertex.p)
-        ng = vector(vertex.ng)
-        radiance, found = gather_radiance(
-            photon_map, p, ng, vector(vertex.ns), vector(vertex.wo), radius, vertex, lobes
-        )
-        if found > 0:
-            share = coverage(borders, p, ng, vertex.entering != 0, radius)
-            add(samples[vertex.slot].caustics, vertex.beta, radiance, 1.0 / share)
+        sample = samples[vertex.slot]
+        add_estimate(sample.caustics, sample, vertex, lobes, photon_map, borders, radius)

@@ -10,11 +10,9 @@ from ..geometry.interaction import leave
 from ..geometry.media import copy_media, cross_surface
 from ..geometry.vector import store, vector
 from ..jit import Row, Table, kernel
-from ..photons.coverage import coverage
-from ..photons.gather import gather_radiance
 from ..sampling.rng import camera_2d, mix, uniform
+from .estimate import add_estimate
 from .records import GATHER, GATHER_LOBE, GATHER_STEP
-from .seen import add
 
 
 @kernel
@@ -83,17 +81,8 @@ def gather_indirect(
     count: int,
     samples: Table,
 ) -> None:
-    """Add the indirect layer: ``vertices`` are where the gather rays ended.
-
-    Each estimate is divided by the share of its disc within ``borders``.
-    """
+    """Add the indirect layer: ``vertices`` are where the gather rays ended."""
     for k in range(count):
         vertex = vertices[k]
-        p = vector(vertex.p)
-        ng = vector(vertex.ng)
-        radiance, found = gather_radiance(
-            photon_map, p, ng, vector(vertex.ns), vector(vertex.wo), radius, vertex, lobes
-        )
-        if found > 0:
-            share = coverage(borders, p, ng, vertex.entering != 0, radius)
-            add(samples[vertex.slot].indirect, vertex.beta, radiance, 1.0 / share)
+        sample = samples[vertex.slot]
+        add_estimate(sample.indirect, sample, vertex, lobes, photon_map, borders, radius)

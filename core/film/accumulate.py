@@ -93,8 +93,12 @@ def bias_square(shrink: Table, part_count: Table, factor: float, out: Table) -> 
 
 
 @kernel
-def relative_mean(square: Table, mean: Table) -> float:
-    """mean(square / (mean^2 + 0.01 mean(mean)^2)) over (n, 3); 0 for a black image."""
+def relative_mean(square: Table, mean: Table, skew: float) -> float:
+    """mean(q + skew q^2), q = square / (mean^2 + 0.01 mean(mean)^2), over (n, 3).
+
+    0 for a black image. ``skew`` undoes, to first order, that a pixel whose bright samples
+    have come stands out in ``square`` and is weighed by a ``mean`` too large.
+    """
     whole = 0.0
     for k in range(len(mean)):
         whole += mean[k, 0] + mean[k, 1] + mean[k, 2]
@@ -105,5 +109,6 @@ def relative_mean(square: Table, mean: Table) -> float:
         for c in range(3):
             scale = mean[k, c] * mean[k, c] + floor
             if scale > 0.0:
-                total += square[k, c] / scale
+                q = square[k, c] / scale
+                total += q + skew * q * q
     return total / (3.0 * len(mean))

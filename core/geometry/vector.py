@@ -44,6 +44,12 @@ def scale(a: Vector, s: float) -> Vector:
 
 
 @kernel
+def times(a: Vector, b: Vector) -> Vector:
+    """Product per channel."""
+    return a[0] * b[0], a[1] * b[1], a[2] * b[2]
+
+
+@kernel
 def along(p: Vector, d: Vector, t: float) -> Vector:
     """Point p + t d."""
     return (p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2])

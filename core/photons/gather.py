@@ -2,7 +2,8 @@
 
 Jensen 1996 with the 2-D Epanechnikov kernel k = 2 / (pi r^2) (1 - d^2 / r^2) on the
 tangent plane (Silverman 1986, section 4.2): Lo = sum f(wi, wo) flux k. There is no
-brightness to set by hand.
+brightness to set by hand. The same photons are summed for the inner half of the disc too,
+which tells the bias (``film``).
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from ..bsdf.dispatch import (
     is_lambertian,
     is_twosided,
 )
-from ..geometry.vector import Vector, vector
+from ..geometry.vector import Vector, scale, times, vector
 from ..jit import Row, Table, kernel
 from ..sampling.warps import INV_PI
 from .cells import bucket_of, cell_key
@@ -114,17 +115,19 @@ def gather_radiance(
     radius: float,
     surface: Row,
     lobes: Table,
-) -> tuple[Vector, int]:
-    """Radiance sent to ``wo`` from ``p`` by the photons within ``radius``: (Lo, count).
+) -> tuple[Vector, Vector, int]:
+    """Radiance sent to ``wo`` from ``p`` by the photons within ``radius``.
 
-    ``surface`` has the lobes, whose wide part alone answers to photons.
+    Returns (Lo, Lo by those in half the area, count). ``surface`` has the lobes, whose
+    wide part alone answers to photons.
     """
     if is_lambertian(surface, lobes):
-        e, found = gather_irradiance(photon_map, p, ng, radius)
-        a = albedo_nonspecular(surface, lobes)
-        return (e[0] * INV_PI * a[0], e[1] * INV_PI * a[1], e[2] * INV_PI * a[2]), found
+        e, inner, found = gather_irradiance(photon_map, p, ng, radius)
+        a = scale(albedo_nonspecular(surface, lobes), INV_PI)
+        return times(a, e), times(a, inner), found
     both = is_twosided(surface, lobes)
     r = g = b = 0.0
+    r_in = g_in = b_in = 0.0
     found = 0
     radius = min(radius, largest_radius(photon_map.cell))
     low, high = cell_range(photon_map.cell, p, radius)
@@ -143,16 +146,25 @@ def gather_radiance(
                     r += weight * f[0] * photon.flux[0]
                     g += weight * f[1] * photon.flux[1]
                     b += weight * f[2] * photon.flux[2]
-    scale = 2.0 / (math.pi * radius * radius)
-    return (r * scale, g * scale, b * scale), found
+                    # 1 - d^2 / (r^2 / 2), the same kernel on half the area.
+                    inner = max(0.0, 2.0 * weight - 1.0)
+                    r_in += inner * f[0] * photon.flux[0]
+                    g_in += inner * f[1] * photon.flux[1]
+                    b_in += inner * f[2] * photon.flux[2]
+    norm = 2.0 / (math.pi * radius * radius)
+    return scale((r, g, b), norm), scale((r_in, g_in, b_in), 2.0 * norm), found
 
 
 @kernel
 def gather_irradiance(
     photon_map: Row, p: Vector, ng: Vector, radius: float
-) -> tuple[Vector, int]:
-    """Irradiance at ``p`` on the side of ``ng``: (E [W/m^2], photons counted)."""
+) -> tuple[Vector, Vector, int]:
+    """Irradiance at ``p`` on the side of ``ng`` [W/m^2].
+
+    Returns (E, E by the photons in half the area, photons counted).
+    """
     r = g = b = 0.0
+    r_in = g_in = b_in = 0.0
     found = 0
     radius = min(radius, largest_radius(photon_map.cell))
     low, high = cell_range(photon_map.cell, p, radius)
@@ -169,5 +181,9 @@ def gather_irradiance(
                     r += weight * photon.flux[0]
                     g += weight * photon.flux[1]
                     b += weight * photon.flux[2]
-    scale = 2.0 / (math.pi * radius * radius)
-    return (r * scale, g * scale, b * scale), found
+                    inner = max(0.0, 2.0 * weight - 1.0)
+                    r_in += inner * photon.flux[0]
+                    g_in += inner * photon.flux[1]
+                    b_in += inner * photon.flux[2]
+    norm = 2.0 / (math.pi * radius * radius)
+    return scale((r, g, b), norm), scale((r_in, g_in, b_in), 2.0 * norm), found

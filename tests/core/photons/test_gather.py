@@ -47,16 +47,17 @@ def photon_map(table, cell):
     return build_photon_map([Walk(table, np.arange(len(table)), 0)], cell)
 
 
-def by_tree(table, p, radius, brdf):
+def by_tree(table, p, radius, brdf, high=None):
     """The same estimate in NumPy over the tree's neighbours: (Lo, count)."""
+    high = MOST_HEIGHT * radius if high is None else high
     position = table["position"].astype(float)
     tree = cKDTree(position)
-    reach = radius * np.sqrt(1 + MOST_HEIGHT**2)
+    reach = np.hypot(radius, high)
     near = np.array(tree.query_ball_point(p, reach), dtype=int)
     gap = position[near] - p
     across2 = (gap[:, :2] ** 2).sum(axis=1)
     facing = table["normal"][near, 2] >= np.float32(LEAST_COSINE)
-    keep = (across2 < radius**2) & (np.abs(gap[:, 2]) <= MOST_HEIGHT * radius) & facing
+    keep = (across2 < radius**2) & (np.abs(gap[:, 2]) <= high) & facing
     kernel = 2 / (np.pi * radius**2) * (1 - across2[keep] / radius**2)
     f = brdf(table["direction"][near[keep]].astype(float))
     light = f * table["flux"][near[keep]] * kernel[:, None]
@@ -82,10 +83,12 @@ def test_grid_finds_what_the_tree_finds(ratio, offset, rng):
     row, lobes = material([diffuse(0.5)])
     for xy in rng.random((60, 2)) * 2.4 - 1.2 + offset:
         p = (float(xy[0]), float(xy[1]), 0.0)
-        found, count = gather_radiance(grid, p, UP, UP, WO, radius, row, lobes)
+        found, inner, count = gather_radiance(grid, p, UP, UP, WO, radius, row, lobes)
         expected, number = by_tree(table, p, radius, lambert)
         assert count == number
         np.testing.assert_allclose(found, expected, rtol=1e-9)
+        half, _ = by_tree(table, p, radius / np.sqrt(2), lambert, MOST_HEIGHT * radius)
+        np.testing.assert_allclose(inner, half, rtol=1e-9)
 
 
 def test_glossy_surfaces_weigh_each_photon_by_its_direction(rng):
@@ -94,9 +97,11 @@ def test_glossy_surfaces_weigh_each_photon_by_its_direction(rng):
     row, lobes = material([diffuse(0.5), phong(0.4, 5.0)])
     for xy in rng.random((40, 2)) * 2 - 1:
         p = (float(xy[0]), float(xy[1]), 0.0)
-        found, _ = gather_radiance(grid, p, UP, UP, WO, 0.2, row, lobes)
+        found, inner, _ = gather_radiance(grid, p, UP, UP, WO, 0.2, row, lobes)
         expected, _ = by_tree(table, p, 0.2, glossy)
         np.testing.assert_allclose(found, expected, rtol=1e-6)
+        half, _ = by_tree(table, p, 0.2 / np.sqrt(2), glossy, MOST_HEIGHT * 0.2)
+        np.testing.assert_allclose(inner, half, rtol=1e-6)
 
 
 def test_a_radius_beyond_the_grids_reach_is_cut(rng):
@@ -113,7 +118,7 @@ def test_few_photons_and_none(count, rng):
     table = photons(rng, count, 0.01)
     grid = photon_map(table, 1.0)
     row, lobes = material([diffuse(0.5)])
-    found, number = gather_radiance(grid, (0.0, 0.0, 0.0), UP, UP, WO, 0.5, row, lobes)
+    found, _, number = gather_radiance(grid, (0.0, 0.0, 0.0), UP, UP, WO, 0.5, row, lobes)
     expected, known = by_tree(table, (0, 0, 0), 0.5, lambert) if count else (np.zeros(3), 0)
     assert number == known
     np.testing.assert_allclose(found, expected, rtol=1e-9)
