@@ -44,6 +44,7 @@ PASSES: tuple[RenderPass, ...] = (
         "COLOR",
         "pm.use_pass_denoising_albedo",
     ),
+    RenderPass("error", "Error", "Error", "X", "VALUE", "pm.use_pass_error"),
 )
 
 

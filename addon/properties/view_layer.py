@@ -26,3 +26,12 @@ class PhotonMapViewLayerProperties(bpy.types.PropertyGroup):
         default=False,
         update=_passes_changed,
     )
+    use_pass_error: BoolProperty(  # type: ignore[valid-type]
+        name="Error",
+        description=(
+            "How far Combined is expected to be from the truth, noise and bias together, "
+            "as radiance, averaged over 5 x 5 pixels"
+        ),
+        default=False,
+        update=_passes_changed,
+    )

@@ -41,6 +41,7 @@ class FakeFilm:
             "depth": self.flat(7.0),
             "normal": self.flat(0.0, 0.6, 0.8),
             "albedo": self.flat(0.1, 0.2, 0.3),
+            "error": self.flat(0.01),
             "combined": np.concatenate([direct + 0.875, self.flat(1.0)], axis=2),
         }
         for layer in ("emission", "caustics", "indirect"):

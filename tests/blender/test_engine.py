@@ -28,6 +28,7 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
     for toggle in ("z", "normal", "diffuse_direct", "diffuse_indirect", "emit"):
         setattr(layer, f"use_pass_{toggle}", True)
     layer.photon_map.use_pass_denoising_albedo = True
+    layer.photon_map.use_pass_error = True
     save_exr(bpy, tmp_path / "a.exr")
     headless_render(bpy)
     new = bpy.app.version >= (5, 0, 0)
@@ -39,7 +40,7 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
     }
     assert set(image) == {
         f"ViewLayer.{name}"
-        for name in ("Combined", "Depth", "Normal", "Caustics", "Denoising Albedo")
+        for name in ("Combined", "Depth", "Normal", "Caustics", "Denoising Albedo", "Error")
     } | {f"ViewLayer.{name}" for name in names.values()}
     assert image["ViewLayer.Depth"].shape == (30, 40, 1)
     assert (image["ViewLayer.Depth"] == 7.0).all()
@@ -49,6 +50,7 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
     assert (image[f"ViewLayer.{names['indirect']}"] == 0.125).all()
     assert (image[f"ViewLayer.{names['emission']}"] == 0.25).all()
     assert (image["ViewLayer.Caustics"] == 0.5).all()
+    assert image["ViewLayer.Error"][3, 4] == pytest.approx([0.01])
 
 
 def test_the_unfinished_image_is_shown(

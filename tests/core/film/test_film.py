@@ -42,7 +42,7 @@ def test_exposure_scales_light_and_nothing_else():
     film.exposure = 2.5
     for layer in Film.LAYERS:
         factor = np.ones(Film.LAYERS[layer])
-        if layer in ("combined", "emission", "direct", "caustics", "indirect"):
+        if layer in ("combined", "emission", "direct", "caustics", "indirect", "error"):
             factor[:3] = 2.5
         np.testing.assert_allclose(film.resolve(layer), factor * plain[layer], rtol=1e-6)
 
