@@ -30,7 +30,8 @@ layer falls almost like plain averaging, 1/passes; its two scenes are a ball, wh
 is that of the photons, and a glowing box, where discs stick out over borders. Layers without
 photons are averages of scrambled Sobol points, steeper than 1/passes where light is smooth
 (Owen 1997), so theirs is a bound on one side: at least as steep as -0.9. The mean is the
-image's at the most passes over the truth, less 1: no layer stops at a floor.
+image's at the most passes over the truth, less 1: within its error, or, for caustics, a bias
+that falls on with their discs.
 
 | layer | slope | interval | last three | wanted | mean | bias, share of error | state |
 |---|---|---|---|---|---|---|---|"""

@@ -123,6 +123,6 @@ def slopes(rows: Sequence[Any], path: Path) -> None:
         axes.loglog(row.passes, row.mse, "o-", ms=3, lw=1, label=label)
     axes.set_xlabel("passes")
     axes.set_ylabel("mean squared error")
-    axes.legend(fontsize=7)
+    axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(alpha=0.3, which="both")
     save(figure, path)
