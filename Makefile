@@ -23,6 +23,8 @@ help:
 	@echo "make accuracy                   the long comparisons (under an hour): docs/accuracy.md"
 	@echo "make bench                      speed against error (under 30 minutes): docs/benchmarks.md"
 	@echo "make bench-quick                a part of it (under 5 minutes)"
+	@echo "make budgets                    start-up, compiling, threads, bare Embree, memory"
+	@echo "make bench-references           better references of the benchmark (hours)"
 	@echo "make lint                       ruff and mypy"
 	@echo "make extension                  dist/*.zip for Blender: one a platform and Python"
 	@echo "make acceptance BLENDER=path    install and try the fitting one in that Blender"
