@@ -224,7 +224,7 @@ def machine(runs: Sequence[Run], minutes: float) -> Iterator[str]:
     last = max((row.seconds for run in runs for row in run.rows), default=0.0)
     if last < 0.95 * AT_LAST:
         yield ""
-        yield f"A shortened run: no curve goes beyond {last:.0f} s of the {AT_LAST:g} asked for."
+        yield f"A shortened run: no curve goes beyond {last:.0f} s, {AT_LAST:g} are asked."
     busy = float(np.mean(loads)) if loads else 0.0
     if busy > 1.3 * len(os.sched_getaffinity(0)):
         yield ""
