@@ -2,10 +2,11 @@
 
     python benchmarks/accuracy.py [--python OTHER_PYTHON ...] [--only PART ...]
 
-PART: parity, caustics, convergence, stability. ``--python`` adds a Python with another bpy to
-the parity suite; one that is not there is named in the document. Needs the ``dev``, ``cli``
-and ``blender`` extras. The document has no times or dates: the same code and
-wheels write the same text.
+With ``--keep`` a run goes on where an earlier one was stopped. PART: parity, caustics,
+convergence, roughness, stability. ``--python`` adds a Python with another bpy to the parity
+suite; one that is not there is named in the document. Needs the ``dev``, ``cli`` and
+``blender`` extras. The document has no times or dates: the same code and wheels write the
+same text.
 """
 
 from __future__ import annotations
@@ -25,10 +26,12 @@ sys.path.insert(0, str(ROOT))
 
 import accuracy_closed  # noqa: E402
 import accuracy_parity  # noqa: E402
+import accuracy_roughness  # noqa: E402
 
 from tests.parity.cases import CASES  # noqa: E402
 
-PARTS = ("parity", "caustics", "convergence", "stability")
+PARTS = ("parity", "caustics", "convergence", "roughness", "stability")
+BROKEN = "This part did not run to its end"
 TEXT = Path(__file__).with_name("accuracy_text.md")
 
 
@@ -41,10 +44,22 @@ def main() -> None:
         shutil.rmtree(args.work)
     lines = [*head(args)]
     for part in args.only:
-        started = time.perf_counter()
-        lines += [*run(part, args, pictures)]
-        print(f"{part}: {time.perf_counter() - started:.0f} s", file=sys.stderr, flush=True)
+        lines += section(part, args, pictures)
     (args.docs / "accuracy.md").write_text("\n".join(lines).rstrip() + "\n", "utf-8")
+
+
+def section(part: str, args: argparse.Namespace, pictures: Path) -> list[str]:
+    """The lines of one part; kept in ``--work``, from where ``--keep`` takes them."""
+    kept = args.work / f"{part}.md"
+    if args.keep and kept.is_file():
+        return kept.read_text("utf-8").split("\n")
+    started = time.perf_counter()
+    lines = list(run(part, args, pictures))
+    print(f"{part}: {time.perf_counter() - started:.0f} s", file=sys.stderr, flush=True)
+    if not any(BROKEN in line for line in lines):
+        args.work.mkdir(parents=True, exist_ok=True)
+        kept.write_text("\n".join(lines), "utf-8")
+    return lines
 
 
 def run(part: str, args: argparse.Namespace, pictures: Path) -> Iterator[str]:
@@ -62,12 +77,14 @@ def run(part: str, args: argparse.Namespace, pictures: Path) -> Iterator[str]:
             yield from list(accuracy_closed.caustics(pictures))
         elif part == "convergence":
             yield from list(accuracy_closed.convergence(pictures))
+        elif part == "roughness":
+            yield from list(accuracy_roughness.roughness(pictures))
         else:
             yield from list(accuracy_closed.stability())
     except Exception as error:
         yield f"## {part.capitalize()}"
         yield ""
-        yield f"**This part did not run to its end:** {type(error).__name__}: {error}"
+        yield f"**{BROKEN}:** {type(error).__name__}: {error}"
         yield ""
         print(f"{part}: {error!r}", file=sys.stderr, flush=True)
 
@@ -115,7 +132,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--docs", type=Path, default=ROOT / "docs")
     parser.add_argument("--work", type=Path, default=ROOT / "renders" / "accuracy")
     parser.add_argument("--note", default="", help="a line about this run for the head")
-    parser.add_argument("--keep", action="store_true", help="take scenes rendered before")
+    parser.add_argument(
+        "--keep", action="store_true", help="take parts and scenes of an earlier run"
+    )
     return parser.parse_args()
 
 

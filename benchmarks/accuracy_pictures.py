@@ -126,3 +126,23 @@ def slopes(rows: Sequence[Any], path: Path) -> None:
     axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(alpha=0.3, which="both")
     save(figure, path)
+
+
+def roughness(rows: dict[str, Sequence[Any]], path: Path) -> None:
+    """Mean against the reference and noise of every sweep, over the roughness."""
+    figure, axes = plt.subplots(1, 2, figsize=(11.0, 3.8))
+    for name, points in rows.items():
+        x = [p.roughness for p in points]
+        if points[0].truth == points[0].truth:
+            off = [100 * (p.mean / p.truth - 1) for p in points]
+            spread = [200 * (p.error**2 + p.truth_error**2) ** 0.5 / p.truth for p in points]
+            axes[0].errorbar(x, off, spread, fmt="o-", ms=3, lw=1, capsize=2, label=name)
+        axes[1].semilogy(x, [p.noise for p in points], "o-", ms=3, lw=1, label=name)
+    axes[0].axhline(0.0, color="0.5", lw=0.8)
+    axes[0].set_ylabel("mean against the reference [%], 2 SE")
+    axes[1].set_ylabel("relative MSE of one render")
+    for ax in axes:
+        ax.set_xlabel("roughness")
+        ax.grid(alpha=0.3, which="both")
+        ax.legend(fontsize=7)
+    save(figure, path)

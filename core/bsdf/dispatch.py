@@ -3,9 +3,10 @@
 A *surface* is any row with ``lobe_start`` and ``lobe_count``: a slice of a lobe table. Its
 lobes are shared out between two parts by ``narrow_share``: what is NARROW scatters like a
 mirror or smooth glass (deltas are wholly so), what is WIDE like a diffuse surface. The sum
-of both parts is the BSDF, so nothing jumps with roughness. Transparent lobes are in
-neither: their rays go on as if there were no surface. ``n`` is the shading normal on the
-side of ``wo``; all directions point away from the surface.
+of both parts is the BSDF, so nothing jumps with roughness. Photons share the same lobes out
+in another way: caustic photons follow what is CASTING, the rest is SPREADING. Transparent
+lobes are in neither: their rays go on as if there were no surface. ``n`` is the shading
+normal on the side of ``wo``; all directions point away from the surface.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from .lobe import (
     REFRACTION,
     TRANSLUCENT,
     TRANSPARENT,
+    casting_share,
     eval_lobe,
     is_delta,
     is_diffuse_like,
@@ -32,6 +34,8 @@ from .lobe import (
 
 WIDE = 0
 NARROW = 1
+SPREADING = 2
+CASTING = 3
 _BLACK = (0.0, 0.0, 0.0)
 _DIFFUSE_BIT = int(Visibility.DIFFUSE)
 _GLOSSY_BIT = int(Visibility.GLOSSY)
@@ -43,8 +47,11 @@ def _part_share(lobe: Row, part: int) -> float:
     """Share of a lobe that belongs to ``part``."""
     if lobe.model == TRANSPARENT:
         return 0.0
-    narrow = narrow_share(lobe)
-    return narrow if part == NARROW else 1.0 - narrow
+    if part == WIDE or part == NARROW:
+        sharp = narrow_share(lobe)
+    else:
+        sharp = casting_share(lobe)
+    return sharp if part == NARROW or part == CASTING else 1.0 - sharp
 
 
 @kernel
@@ -60,6 +67,12 @@ def _part_weight(surface: Row, lobes: Table, part: int) -> float:
 def lobe_weights(surface: Row, lobes: Table) -> tuple[float, float]:
     """How much the wide and the narrow part scatter: estimates to choose between them."""
     return _part_weight(surface, lobes, WIDE), _part_weight(surface, lobes, NARROW)
+
+
+@kernel
+def photon_weights(surface: Row, lobes: Table) -> tuple[float, float]:
+    """As ``lobe_weights``, of the spreading and the casting part."""
+    return _part_weight(surface, lobes, SPREADING), _part_weight(surface, lobes, CASTING)
 
 
 @kernel

@@ -119,6 +119,19 @@ def narrow_share(lobe: Row) -> float:
 
 
 @kernel
+def casting_share(lobe: Row) -> float:
+    """How much of the lobe caustic photons follow: all of a rough mirror and rough glass.
+
+    What such a body sends on lies within its lobe, where a gather ray seldom meets it. A
+    coat mirrors too little light to be worth the photons.
+    """
+    coat = lobe.fresnel == TRUE_FRESNEL or lobe.fresnel == SCHLICK
+    if is_rough_glass(lobe.model) or (lobe.model == GGX and not coat):
+        return 1.0
+    return narrow_share(lobe)
+
+
+@kernel
 def reflectance(lobe: Row, cos_h: float) -> Vector:
     """Fresnel reflectance of a GGX facet that is seen at ``cos_h``; 1 without Fresnel."""
     kind = lobe.fresnel

@@ -5,26 +5,25 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bsdf.lobe import narrow_share
+from ..bsdf.lobe import casting_share, narrow_share
 from ..scene.scene import Scene
-from ..scene.tables import LOBE, ClosureKind, Model
+from ..scene.tables import LOBE, ClosureKind, Fresnel, Model
 
-#: Closures that reflect or refract more sharply the smoother they are.
+#: Closures that are mirrors or glass, rough or not.
 _GLOSSY_KINDS = (
     ClosureKind.GLOSSY, ClosureKind.METALLIC, ClosureKind.GLASS, ClosureKind.REFRACTION
 )  # fmt: skip
 
 
 def caster_strength(scene: Scene) -> NDArray[np.float64]:
-    """About the part of light (M,) that each material sends on narrowly; 0: no caster.
+    """About the part of light (M,) of each material that caustic photons follow; 0: none.
 
     Where a texture decides, the most that it may say is taken.
     """
     strength = np.zeros(len(scene.materials))
     for k, row in enumerate(scene.materials):
         strength[k] = sum(part for part, _ in _lobe_parts(scene, row))
-        step = _least_step(scene, float(row["ior"]))
-        strength[k] += sum(_narrow_closure(closure, step) for closure in _closures(scene, row))
+        strength[k] += sum(_cast_by(closure) for closure in _closures(scene, row))
     return strength
 
 
@@ -38,14 +37,14 @@ def receiver_materials(scene: Scene) -> NDArray[np.bool_]:
 
 
 def _lobe_parts(scene: Scene, row: np.void) -> list[tuple[float, float]]:
-    """Narrow and wide mean weight of each constant lobe of a material."""
+    """Casting and wide mean weight of each constant lobe of a material."""
     parts = []
     for lobe in scene.lobes[row["lobe_start"] : row["lobe_start"] + row["lobe_count"]]:
         if lobe["model"] == Model.TRANSPARENT:
             continue
-        share = float(narrow_share(lobe))
         weight = float(lobe["weight"].mean())
-        parts.append((weight * share, weight * (1.0 - share)))
+        wide = 1.0 - float(narrow_share(lobe))
+        parts.append((weight * float(casting_share(lobe)), weight * wide))
     return parts
 
 
@@ -53,24 +52,12 @@ def _closures(scene: Scene, row: np.void) -> NDArray[np.void]:
     return scene.closures[row["closure_start"] : row["closure_start"] + row["closure_count"]]
 
 
-def _share_of(roughness: float, eta: float = 0.0) -> float:
-    """Narrow share of a microfacet lobe of Blender's ``roughness``, refracting by ``eta``."""
+def _share_of(roughness: float) -> float:
+    """Narrow share of a reflecting microfacet lobe of Blender's ``roughness``."""
     lobe = np.zeros(1, LOBE)
-    lobe["model"] = Model.GGX_DIELECTRIC if eta > 0 else Model.GGX
+    lobe["model"], lobe["fresnel"] = Model.GGX, Fresnel.SCHLICK
     lobe["roughness"] = roughness * roughness
-    lobe["eta"] = eta
     return float(narrow_share(lobe[0]))
-
-
-def _least_step(scene: Scene, ior: float) -> float:
-    """The relative index nearest to 1 that a surface of ``ior`` may have in the scene.
-
-    The nearer the indices, the more of a rough refraction is narrow.
-    """
-    around = scene.materials["ior"]
-    steps = np.maximum(ior, 1e-3) / np.append(around[(around > 0) & (around != ior)], 1.0)
-    steps = np.maximum(steps, 1.0 / steps)
-    return float(steps.min())
 
 
 def _least(param: np.void) -> float:
@@ -94,14 +81,10 @@ def _factor(closure: np.void) -> float:
     return factor
 
 
-def _narrow_closure(closure: np.void, step: float) -> float:
+def _cast_by(closure: np.void) -> float:
     kind = closure["kind"]
-    share = _share_of(_least(closure["roughness"]))
-    refracted = _share_of(_least(closure["roughness"]), step)
-    if kind in (ClosureKind.GLASS, ClosureKind.REFRACTION):
-        return _factor(closure) * refracted * _most(closure["color"])
     if kind in _GLOSSY_KINDS:
-        return _factor(closure) * share * _most(closure["color"])
+        return _factor(closure) * _most(closure["color"])
     if kind != ClosureKind.PRINCIPLED:
         return 0.0
     metallic = min(1.0, float(closure["metallic"]["value"][0]))
@@ -109,9 +92,10 @@ def _narrow_closure(closure: np.void, step: float) -> float:
     ior = float(closure["ior"])
     f0 = ((ior - 1.0) / (ior + 1.0)) ** 2 * 2.0 * float(closure["specular_level"])
     body = 1.0 - _least(closure["metallic"])
-    sharp = metallic * _most(closure["color"]) + body * min(1.0, f0)
+    skin = body * min(1.0, f0) * _share_of(_least(closure["roughness"]))
     coat = 0.04 * float(closure["coat"]) * _share_of(float(closure["coat_roughness"]))
-    return _factor(closure) * (share * sharp + refracted * body * transmission + coat)
+    metal = metallic * _most(closure["color"])
+    return _factor(closure) * (metal + skin + body * transmission + coat)
 
 
 def _is_wide(closure: np.void) -> bool:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..bsdf.dispatch import SPREADING, WIDE
 from ..geometry.interaction import OFFSET
 from ..geometry.media import STACK
 from ..geometry.vector import Vector, along, dot, store, to_world
@@ -27,6 +28,7 @@ from .aim import aim_distant, aim_local
 #: its path in the pass; ``depth``: events so far, ``steps``: surfaces so far;
 #: ``visibility`` bits of what it comes from, its light ``entry`` or the object of its last
 #: event; ``passed``: surfaces that it met on its straight way from a lamp without shadows;
+#: ``part`` of the lobes that answers to it (``trace.PHOTON``);
 #: ``lobe_start`` and ``lobe_count``: the lobes of the surface that it is on.
 PHOTON_PATH = np.dtype(
     [
@@ -41,6 +43,7 @@ PHOTON_PATH = np.dtype(
         ("visibility", "i4"),
         ("entry", "i4"),
         ("passed", "i4"),
+        ("part", "i4"),
         ("media_count", "i4"),
         ("media", "i4", STACK),
     ],
@@ -134,9 +137,8 @@ def emit_photons(
         path = paths[out]
         path.key = key
         path.index = k
-        path.depth = 0
-        path.steps = 0
-        path.passed = 0
+        path.depth = path.steps = path.passed = 0
+        path.part = WIDE if aimed else SPREADING
         path.visibility = visibility_of(lights, entry)
         path.entry = entry
         store(path.flux, flux)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 
 from ..bsdf.dispatch import (
-    WIDE,
     albedo_nonspecular,
     eval_part,
     is_lambertian,
@@ -118,8 +117,8 @@ def gather_radiance(
 ) -> tuple[Vector, Vector, int]:
     """Radiance sent to ``wo`` from ``p`` by the photons within ``radius``.
 
-    Returns (Lo, Lo by those in half the area, count). ``surface`` has the lobes, whose
-    wide part alone answers to photons.
+    Returns (Lo, Lo by those in half the area, count). ``surface`` has the lobes, of which the
+    ``part`` of each photon answers to it.
     """
     if is_lambertian(surface, lobes):
         e, inner, found = gather_irradiance(photon_map, p, ng, radius)
@@ -142,7 +141,7 @@ def gather_radiance(
                         continue
                     found += 1
                     wi = vector(photon.direction)
-                    f = eval_part(surface, lobes, ns, wo, wi, WIDE)
+                    f = eval_part(surface, lobes, ns, wo, wi, photon.part)
                     r += weight * f[0] * photon.flux[0]
                     g += weight * f[1] * photon.flux[1]
                     b += weight * f[2] * photon.flux[2]

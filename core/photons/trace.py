@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bsdf.dispatch import NARROW, WIDE, lobe_weights, part_bit
+from ..bsdf.dispatch import (
+    CASTING,
+    SPREADING,
+    WIDE,
+    lobe_weights,
+    part_bit,
+    photon_weights,
+)
 from ..bsdf.hit import HIT, meet, shade
 from ..bsdf.scatter import choose_transparency, goes_through, scatter
 from ..geometry.interaction import leave
@@ -26,9 +33,17 @@ if TYPE_CHECKING:
     from ..prepared import Prepared
 
 #: One stored photon: ``direction`` points back to where it came from, ``normal`` is the
-#: surface's geometric normal on that side, ``flux`` [W] per channel.
+#: surface's geometric normal on that side, ``flux`` [W] per channel. ``part`` of the lobes
+#: there that answers to it: what has met casters alone goes on as a caustic photon from
+#: rough mirrors and glass, so of the global map's photons their SPREADING part takes none.
 PHOTON = np.dtype(
-    [("position", "f4", 3), ("direction", "f4", 3), ("flux", "f4", 3), ("normal", "f4", 3)]
+    [
+        ("position", "f4", 3),
+        ("direction", "f4", 3),
+        ("flux", "f4", 3),
+        ("normal", "f4", 3),
+        ("part", "i4"),
+    ]
 )
 
 _DIFFUSE_BIT = int(Visibility.DIFFUSE)
@@ -97,11 +112,12 @@ def trace_photons(
 
 
 @kernel
-def _store(photon: Row, hit: Row, flux: Vector, ratio: float) -> None:
+def _store(photon: Row, hit: Row, path: Row, ratio: float) -> None:
     store(photon.position, vector(hit.p))
     store(photon.direction, vector(hit.wo))
     store(photon.normal, vector(hit.ng))
-    store(photon.flux, scale(flux, ratio))
+    store(photon.flux, scale(vector(path.flux), ratio))
+    photon.part = path.part
 
 
 @kernel
@@ -172,7 +188,10 @@ def _shines_on(path: Row, wide: float, base: int) -> bool:
         return True
     for c in range(3):
         path.flux[c] *= 2.0
-    return bool(uniform(path.key, base + _ON) < 0.5)
+    on = uniform(path.key, base + _ON) < 0.5
+    if on:
+        path.part = WIDE
+    return bool(on)
 
 
 @kernel
@@ -189,16 +208,18 @@ def _bounce(
     ratio: float,
 ) -> Any:
     """Scatter a photon at a hit: (whether it lives, wi); ``ratio`` scales its flux."""
-    wide, narrow = lobe_weights(path, lobes)
+    spreading, casting = photon_weights(path, lobes)
+    part = SPREADING
     if path.passed > 1 and path.depth == 0:
-        narrow = 0.0
-    total = narrow if caustic else wide + narrow
+        # No caustic photon comes here: gather rays have to see all but the mirror.
+        part = WIDE
+        spreading, casting = lobe_weights(path, lobes)[0], 0.0
+    total = casting if caustic else spreading + casting
     nowhere = (0.0, 0.0, 1.0)
     if total <= 0.0:
         return False, nowhere
-    part = WIDE
-    if caustic or uniform(path.key, base + _CHOICE) * total < narrow:
-        part = NARROW
+    if caustic or uniform(path.key, base + _CHOICE) * total < casting:
+        part = CASTING
     wi, weight, pdf_w, transmitted, eta = scatter(
         materials, lobes, path, hit, part, uniform(path.key, base + _LOBE),
         uniform(path.key, base + _U), uniform(path.key, base + _V),
@@ -213,9 +234,11 @@ def _bounce(
         )
     if transmitted and materials[hit.row].ior > 0.0:
         cross_surface(path, hit.row, hit.entering != 0)
-    ratio *= normal_correction(hit, wi) * total / (wide if part == WIDE else narrow)
+    ratio *= normal_correction(hit, wi) * total / (casting if part == CASTING else spreading)
     alive = _survive(path, vector(path.flux), weight, ratio, base)
     path.visibility = mesh.visible[hit.face]
+    if part != CASTING:
+        path.part = WIDE
     return alive, wi
 
 
@@ -242,7 +265,7 @@ def step_photons(
 ) -> Any:
     """One surface for each photon: store, scatter, compact: (still alive, stored).
 
-    ``caustic`` photons live on narrow scattering alone and are stored only after some.
+    ``caustic`` photons live on what casts alone and are stored only after some.
     ``hits`` (1,) ``HIT`` is room to work in, ``lobes`` has free rows from ``spare`` on.
     """
     alive = 0
@@ -267,7 +290,7 @@ def step_photons(
             if wide > 0.0 and ratio > 0.0 and path.visibility & _DIFFUSE_BIT:
                 shows = (mesh.visible[hit.face] & _SHOWS_NONE) == 0
                 if not caustic or (path.depth > 0 and shows):
-                    _store(photons[kept], hit, vector(path.flux), ratio)
+                    _store(photons[kept], hit, path, ratio)
                     order[kept] = path.index * most_depth + path.depth
                     kept += 1
             if not shadowless or not _shines_on(path, wide, base):

@@ -1,31 +1,38 @@
-"""Which rough glass casts caustics: all that the camera pass treats as narrow in part."""
+"""Which surfaces cast caustics: what caustic photons follow in part."""
 
 from __future__ import annotations
 
 import pytest
 
-from photon_map.core.photons.casters import caster_strength
-from photon_map.core.scene.builder import SceneBuilder, dielectric
-from photon_map.core.scene.closures import rough_glass
+from photon_map.core.photons.casters import caster_strength, receiver_materials
+from photon_map.core.scene.builder import SceneBuilder
+from photon_map.core.scene.closures import glossy, principled, rough_glass
 
 
-def strength(ior: float, roughness: float, around: float = 0.0) -> float:
+def scene_of(closure):
     b = SceneBuilder("casters")
-    b.add_material("rough", closures=[rough_glass(ior, roughness)], ior=ior)
-    if around:
-        b.add_material("around", [dielectric(around)])
-    return float(caster_strength(b.build())[0])
+    b.add_material("tested", closures=[closure])
+    return b.build()
 
 
-@pytest.mark.parametrize("ior", [1.1, 1.3, 1 / 1.3])
-def test_rough_glass_of_a_near_index_refracts_narrowly(ior: float) -> None:
-    assert 0.0 < strength(ior, 0.6) <= 1.0
-    assert strength(ior, 0.6) > strength(2.4, 0.6)
+def strength(closure) -> float:
+    return float(caster_strength(scene_of(closure))[0])
 
 
-def test_very_rough_glass_of_a_far_index_is_no_caster() -> None:
-    assert strength(2.4, 0.8) == 0.0
+@pytest.mark.parametrize("roughness", [0.0, 0.2, 0.6, 1.0])
+def test_mirrors_and_glass_cast_caustics_however_rough_they_are(roughness: float) -> None:
+    assert strength(rough_glass(1.1, roughness)) == strength(rough_glass(2.4, 0.0)) > 0.0
+    assert strength(glossy(0.8, roughness)) == pytest.approx(0.8)
+    assert strength(principled(metallic=1.0, color=0.5, roughness=roughness)) > 0.4
 
 
-def test_a_medium_of_nearly_the_same_index_around_makes_it_narrow() -> None:
-    assert strength(2.4, 0.8, around=2.35) > 0.5
+def test_a_coat_is_a_caster_while_it_is_sharp() -> None:
+    values = [strength(principled(roughness=r)) for r in (0.0, 0.2, 0.4, 0.5)]
+    assert values == sorted(values, reverse=True)
+    assert values[0] > 0.03 and values[-1] == 0.0
+
+
+def test_rough_mirrors_and_glass_show_caustics() -> None:
+    for closure in (rough_glass(1.5, 0.5), glossy(0.8, 0.5), principled()):
+        assert receiver_materials(scene_of(closure))[0]
+    assert not receiver_materials(scene_of(glossy(0.8, 0.0)))[0]
