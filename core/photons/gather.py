@@ -64,10 +64,14 @@ def bucket_slice(
 
 
 @kernel
-def photon_weight(photon: Row, p: Vector, ng: Vector, radius: float, both: bool) -> float:
-    """1 - d^2 / r^2 on the tangent plane; 0 outside or on another surface.
+def photon_weight(
+    photon: Row, p: Vector, ng: Vector, radius: float, both: bool
+) -> tuple[float, float]:
+    """(1 - d^2 / r^2 on the tangent plane, cosine of the normals); 0 outside the disc.
 
-    ``both``: photons that came from the other side of the surface count too.
+    The weight is 0 on another surface too. A curved surface has more area, and so more
+    photons, than its shadow on the tangent plane by the inverse of that cosine. ``both``:
+    photons that came from the other side of the surface count too.
     """
     dx = photon.position[0] - p[0]
     dy = photon.position[1] - p[1]
@@ -76,12 +80,14 @@ def photon_weight(photon: Row, p: Vector, ng: Vector, radius: float, both: bool)
     d2 = dx * dx + dy * dy + dz * dz - height * height
     r2 = radius * radius
     if d2 >= r2 or abs(height) > MOST_HEIGHT * radius:
-        return 0.0
+        return 0.0, 0.0
     normal = photon.normal
     cosine = normal[0] * ng[0] + normal[1] * ng[1] + normal[2] * ng[2]
-    if (abs(cosine) if both else cosine) < LEAST_COSINE:
-        return 0.0
-    return 1.0 - d2 / r2
+    if both:
+        cosine = abs(cosine)
+    if cosine < LEAST_COSINE:
+        return 0.0, 0.0
+    return 1.0 - d2 / r2, cosine
 
 
 @kernel
@@ -136,17 +142,18 @@ def gather_radiance(
                 first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
                 for k in range(first, last):
                     photon = photon_map.photons[k]
-                    weight = photon_weight(photon, p, ng, radius, both)
+                    weight, cosine = photon_weight(photon, p, ng, radius, both)
                     if weight <= 0.0 or photon_map.keys[k] != key:
                         continue
                     found += 1
                     wi = vector(photon.direction)
                     f = eval_part(surface, lobes, ns, wo, wi, photon.part)
+                    # 1 - d^2 / (r^2 / 2), the same kernel on half the area.
+                    inner = cosine * max(0.0, 2.0 * weight - 1.0)
+                    weight *= cosine
                     r += weight * f[0] * photon.flux[0]
                     g += weight * f[1] * photon.flux[1]
                     b += weight * f[2] * photon.flux[2]
-                    # 1 - d^2 / (r^2 / 2), the same kernel on half the area.
-                    inner = max(0.0, 2.0 * weight - 1.0)
                     r_in += inner * f[0] * photon.flux[0]
                     g_in += inner * f[1] * photon.flux[1]
                     b_in += inner * f[2] * photon.flux[2]
@@ -173,14 +180,15 @@ def gather_irradiance(
                 first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
                 for k in range(first, last):
                     photon = photon_map.photons[k]
-                    weight = photon_weight(photon, p, ng, radius, False)
+                    weight, cosine = photon_weight(photon, p, ng, radius, False)
                     if weight <= 0.0 or photon_map.keys[k] != key:
                         continue
                     found += 1
+                    inner = cosine * max(0.0, 2.0 * weight - 1.0)
+                    weight *= cosine
                     r += weight * photon.flux[0]
                     g += weight * photon.flux[1]
                     b += weight * photon.flux[2]
-                    inner = max(0.0, 2.0 * weight - 1.0)
                     r_in += inner * photon.flux[0]
                     g_in += inner * photon.flux[1]
                     b_in += inner * photon.flux[2]

@@ -60,7 +60,9 @@ def by_tree(table, p, radius, brdf, high=None):
     keep = (across2 < radius**2) & (np.abs(gap[:, 2]) <= high) & facing
     kernel = 2 / (np.pi * radius**2) * (1 - across2[keep] / radius**2)
     f = brdf(table["direction"][near[keep]].astype(float))
-    light = f * table["flux"][near[keep]] * kernel[:, None]
+    # The surface's area in its shadow on the tangent plane.
+    cosine = table["normal"][near[keep], 2].astype(float)
+    light = f * table["flux"][near[keep]] * (kernel * cosine)[:, None]
     return light.sum(axis=0), int(keep.sum())
 
 
@@ -148,3 +150,23 @@ def test_estimate_of_an_even_density_is_irradiance_times_albedo_over_pi(rng):
         grid = photon_map(table, 0.2)
         found.append(gather_radiance(grid, (0.1, 0.2, 0.0), UP, UP, WO, 0.2, row, lobes)[0][0])
     same_means(np.mean(found), np.var(found, ddof=1) / len(found), 0.25 * 0.8 / np.pi)
+
+
+def test_even_light_in_a_ball_is_even_whatever_the_radius(rng):
+    # Without the area's shadow a disc of half the ball's radius finds 4 % too much.
+    count = 10_000
+    row, lobes = material([diffuse(0.5)])
+    up = (0.0, 0.0, 1.0)
+    found = []
+    for _ in range(100):
+        table = np.zeros(count, PHOTON)
+        place = rng.normal(0, 1, (count, 3))
+        place /= np.linalg.norm(place, axis=1)[:, None]
+        table["position"] = place
+        table["normal"] = table["direction"] = -place
+        table["flux"] = 4 * np.pi / count
+        grid = photon_map(table, 0.5)
+        point = (0.0, 0.0, -1.0)
+        found.append(gather_radiance(grid, point, up, up, up, 0.5, row, lobes)[0][0])
+    same_means(np.mean(found), np.var(found, ddof=1) / 100, 0.5 / np.pi)
+    assert np.std(found, ddof=1) < 0.1 * 0.5 / np.pi, "the test would see nothing"
