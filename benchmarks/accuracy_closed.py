@@ -64,7 +64,8 @@ def caustics(folder: Path) -> Iterator[str]:
         cells = " | ".join(f"{r.error:.4f}" for r in results)
         photons = results[-1].photons // results[-1].passes
         mean = f"{100 * results[-1].mean_error:+.2f} %"
-        yield f"| {case.name} | {case.law} | {photons} | {cells} | {mean} |"
+        law = case.law.replace("|", r"\|")
+        yield f"| {case.name} | {law} | {photons} | {cells} | {mean} |"
     pictures.errors(rows, folder / "caustics.png")
     yield ""
     yield f"![error against photons]({folder.name}/caustics.png)"

@@ -15,8 +15,9 @@ class Case:
 
     ``passes`` of ours and ``samples`` of Cycles are those of one seed; ``photons`` of each
     kind a pass, -1: the engine's own choice. ``deviation`` says in what Cycles is not the
-    judge here; then ``truth`` gives the image's mean in every channel by a closed form, or
-    the text has the proof and blocks may differ while the means still have to agree.
+    judge here; then ``truth`` gives the image's mean (one number, or one a channel) by a
+    closed form or by ``core/reference``, as ``proof`` says, or the text has the proof and
+    blocks may differ while the means still have to agree.
     ``fine`` are warnings of the export that take nothing from the scene.
     """
 
@@ -29,7 +30,8 @@ class Case:
     size: tuple[int, int] = (32, 32)
     quick: bool = False
     deviation: str = ""
-    truth: Callable[[], float] | None = None
+    truth: Callable[[], Any] | None = None
+    proof: str = "closed form"
     fine: tuple[str, ...] = ()
 
 

@@ -101,7 +101,18 @@ def glass_rough(stage: Any) -> None:
     ball(stage, "BsdfGlass", Color=(1.0, 1.0, 1.0), Roughness=0.2, IOR=1.5, distribution="GGX")
 
 
-@case("very rough glass ball, roughness 0.6, GGX", samples=128)
+def of_very_rough_glass() -> tuple[float, float, float]:
+    """``core/reference`` on the exported scene, 3000 paths a pixel: 0.1 % at one sigma."""
+    return 0.1444, 0.1783, 0.2119
+
+
+@case(
+    "very rough glass ball, roughness 0.6, GGX",
+    samples=128, truth=of_very_rough_glass, proof="reference",
+    deviation="the reference, which draws facet by facet, agrees with ours in every block of "
+    "pixels (0.6 % at most, errors of 0.3 to 2 %); Cycles is 7 % brighter than both in the "
+    "middle of the ball, why is not known",
+)  # fmt: skip
 def glass_very_rough(stage: Any) -> None:
     ball(stage, "BsdfGlass", Color=(1.0, 0.9, 0.8), Roughness=0.6, IOR=1.3, distribution="GGX")
 
