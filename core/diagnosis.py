@@ -19,7 +19,8 @@ from .settings import Settings
 #: Places on the object, and on the emissive faces, between which rays are sent.
 _PLACES = 64
 _EMITTING_PLACES = 16
-_ROUGH_MODELS = (Model.PHONG, Model.GGX, Model.GGX_DIELECTRIC, Model.GGX_REFRACTION)
+_SMOOTH_MODELS = (Model.CONDUCTOR, Model.DIELECTRIC, Model.REFRACTION)
+_ROUGH_MODELS = (Model.GGX, Model.GGX_DIELECTRIC, Model.GGX_REFRACTION)
 _ROUGH_KINDS = (
     ClosureKind.GLOSSY, ClosureKind.GLASS, ClosureKind.REFRACTION, ClosureKind.METALLIC
 )  # fmt: skip
@@ -46,6 +47,7 @@ def why_no_caustic(scene: Scene, settings: Settings, name: str) -> tuple[Finding
     rows = np.unique(scene.face_material[faces])
     if not (strength[rows] > 0).any():
         return (*findings, _no_caster(scene, rows))
+    findings += _too_rough(scene, rows[strength[rows] > 0])
     casting = faces[strength[scene.face_material[faces]] > 0]
     findings += _flipped(scene, casting)
     findings += _too_short(scene, settings, casting)
@@ -64,17 +66,23 @@ def _switches(scene: Scene, settings: Settings, objects: list[int]) -> list[Find
     return findings
 
 
+def _too_rough(scene: Scene, rows: NDArray[np.int32]) -> list[Finding]:
+    """Whether none of the casting materials is smooth enough for an edge of light."""
+    most = WIDE_FROM**0.5
+    found = [_roughness(scene, scene.materials[row]) for row in rows]
+    if any(roughness is None or roughness < most for roughness in found):
+        return []
+    return [
+        Finding(
+            "roughness too high",
+            f"material '{scene.material_names[rows[0]]}' has a roughness of {found[0]:.2g}, "
+            f"which spreads light into a glow without edges: make it less than {most:.2g}",
+        )
+    ]
+
+
 def _no_caster(scene: Scene, rows: NDArray[np.int32]) -> Finding:
-    """Its materials scatter widely: for their roughness, or for what they are."""
-    for row in rows:
-        name = scene.material_names[row]
-        roughness = _roughness(scene, scene.materials[row])
-        if roughness is not None:
-            return Finding(
-                "roughness too high",
-                f"material '{name}' has a roughness of {roughness:.2g}, which spreads light "
-                f"too widely: it casts caustics below {WIDE_FROM**0.5:.2g}",
-            )
+    """Its materials neither mirror nor refract enough to cast anything."""
     return Finding(
         "no caster",
         f"material '{scene.material_names[rows[0]]}' neither reflects nor refracts: make it "
@@ -83,13 +91,13 @@ def _no_caster(scene: Scene, rows: NDArray[np.int32]) -> Finding:
 
 
 def _roughness(scene: Scene, material: np.void) -> float | None:
-    """Blender's roughness of the smoothest lobe that is only too rough; None without one."""
+    """Blender's roughness of the smoothest lobe that mirrors or refracts; None without one."""
     start, count = material["lobe_start"], material["lobe_count"]
     lobes = scene.lobes[start : start + count]
     found = [
-        float(lobe["roughness"]) ** 0.5 if lobe["model"] != Model.PHONG else 1.0
+        float(lobe["roughness"]) ** 0.5 if lobe["model"] in _ROUGH_MODELS else 0.0
         for lobe in lobes
-        if lobe["model"] in _ROUGH_MODELS and lobe["weight"].max() > 0
+        if lobe["model"] in (*_ROUGH_MODELS, *_SMOOTH_MODELS) and lobe["weight"].max() > 0
     ]
     start, count = material["closure_start"], material["closure_count"]
     for closure in scene.closures[start : start + count]:
@@ -97,7 +105,9 @@ def _roughness(scene: Scene, material: np.void) -> float | None:
             closure["metallic"]["value"][0] > 0 or closure["transmission"]["value"][0] > 0
         )
         if closure["kind"] in _ROUGH_KINDS or layered:
-            found.append(float(closure["roughness"]["value"][0]))
+            # A texture may say anything: nothing is known to be too rough.
+            known = closure["roughness"]["texture"] < 0
+            found.append(float(closure["roughness"]["value"][0]) if known else 0.0)
     return min(found, default=None)
 
 

@@ -94,7 +94,18 @@ def test_roughness_too_high(material: dict[str, Any]) -> None:
     (found,) = why_no_caustic(scene_of(material), Settings(), "cube")
     assert found.cause == "roughness too high"
     assert "a roughness of 0.7," in found.words
-    assert "below 0.5" in found.words
+    assert "less than 0.5" in found.words
+
+
+@pytest.mark.parametrize(
+    "material",
+    [
+        {"lobes": [ggx(0.5, 0.7), mirror(0.4)]},
+        {"closures": [principled(metallic=1.0, roughness=0.4)]},
+    ],
+)
+def test_a_smooth_lobe_beside_a_rough_one_is_enough(material: dict[str, Any]) -> None:
+    assert causes(scene_of(material)) == []
 
 
 def test_normals_flipped() -> None:
