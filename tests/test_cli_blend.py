@@ -61,7 +61,8 @@ def test_blend_and_saved_scene_give_the_same_bits(blend: Path, tmp_path: Path):
         "--report", "a.json", "--save-scene", "a.npz",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert sorted(os.listdir(tmp_path)) == ["a.exr", "a.json", "a.npz", "a.png"]
+    names = ["a.csv", "a.exr", "a.json", "a.npz", "a.png", "a.svg"]
+    assert sorted(os.listdir(tmp_path)) == names
     report = json.loads((tmp_path / "a.json").read_text())
     assert (report["width"], report["height"], report["passes"]) == (24, 16, 2)
     assert report["seed"] == 4

@@ -19,10 +19,12 @@ def all_layers(size: int = 12):
     b.add_point_light("point", (0.5, -0.5, 0.8), 0.5, radius=0.05)
     b.add_spot_light("spot", scenes.look_at((-0.5, -0.8, 0.8), (0, 0, -1)), 2.0, 0.6)
     b.add_sun_light("sun", scenes.look_at((0, -3, 1), (0, 0, 0)), 0.5, angle=0.01)
-    lights = np.concatenate([scene.lights, b.build().lights])
+    more = b.build()
+    lights = np.concatenate([scene.lights, more.lights])
+    shares = np.concatenate([scene.light_photons, more.light_photons])
     names = (*scene.light_names, "point", "spot", "sun")
     camera = replace(scene.camera, lens_radius=0.02, focus_distance=4.9)
-    return replace(scene, lights=lights, light_names=names, camera=camera)
+    return replace(scene, lights=lights, light_photons=shares, light_names=names, camera=camera)
 
 
 def compare(a, b, share):
