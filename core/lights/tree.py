@@ -120,8 +120,8 @@ def next_lamp(tree: Row, k: int, o: Vector, d: Vector, reach: float) -> tuple[in
 
 
 @kernel
-def node_strength(tree: Row, k: int, p: Vector) -> float:
-    """About the irradiance at ``p`` from what is in box ``k``."""
+def _squares(tree: Row, k: int, p: Vector) -> tuple[float, float]:
+    """Squared distance from ``p`` to the middle of box ``k``, and of its half diagonal."""
     d2 = 0.0
     size2 = 0.0
     for axis in range(3):
@@ -129,15 +129,19 @@ def node_strength(tree: Row, k: int, p: Vector) -> float:
         half = 0.5 * (tree.high[k, axis] - tree.low[k, axis])
         d2 += to_middle * to_middle
         size2 += half * half
+    return d2, size2
+
+
+@kernel
+def node_strength(tree: Row, k: int, p: Vector) -> float:
+    """About the irradiance at ``p`` from what is in box ``k``."""
+    d2, size2 = _squares(tree, k, p)
     return tree.strength[k] / max(d2, size2, 1e-30)
 
 
 @kernel
-def _cluster_strength(tree: Row, k: int, p: Vector) -> float:
-    """Strength at ``p`` of cluster ``k``: as one from afar, else lamp by lamp."""
-    near = _is_near(tree, k, p)
-    if not near:
-        return node_strength(tree, k, p)
+def _lamps_strength(tree: Row, k: int, p: Vector) -> float:
+    """Strength at ``p`` of the lamps in box ``k``, each by itself."""
     total = 0.0
     for j in range(k, tree.skip[k]):
         if tree.entry[j] >= 0:
@@ -146,15 +150,12 @@ def _cluster_strength(tree: Row, k: int, p: Vector) -> float:
 
 
 @kernel
-def _is_near(tree: Row, k: int, p: Vector) -> bool:
-    d2 = 0.0
-    size2 = 0.0
-    for axis in range(3):
-        to_middle = 0.5 * (tree.low[k, axis] + tree.high[k, axis]) - p[axis]
-        half = 0.5 * (tree.high[k, axis] - tree.low[k, axis])
-        d2 += to_middle * to_middle
-        size2 += half * half
-    return d2 < NEAR * NEAR * size2
+def _cluster_strength(tree: Row, k: int, p: Vector) -> float:
+    """Strength at ``p`` of cluster ``k``: as one from afar, else lamp by lamp."""
+    d2, size2 = _squares(tree, k, p)
+    if d2 < NEAR * NEAR * size2:
+        return _lamps_strength(tree, k, p)
+    return tree.strength[k] / max(d2, size2, 1e-30)
 
 
 @kernel
@@ -179,10 +180,7 @@ def sample_tree(tree: Row, p: Vector, total: float, u: float) -> tuple[int, floa
             break
         before += share
     u = (u - before) / share
-    whole = 0.0
-    for j in range(chosen, tree.skip[chosen]):
-        if tree.entry[j] >= 0:
-            whole += node_strength(tree, j, p)
+    whole = _lamps_strength(tree, chosen, p)
     entry = -1
     part = 0.0
     before = 0.0
@@ -202,9 +200,6 @@ def tree_probability(tree: Row, p: Vector, total: float, entry: int) -> float:
     """Probability that ``sample_tree`` draws ``entry``."""
     leaf = tree.leaf[entry]
     cluster = tree.cluster[entry]
-    whole = 0.0
-    for j in range(cluster, tree.skip[cluster]):
-        if tree.entry[j] >= 0:
-            whole += node_strength(tree, j, p)
+    whole = _lamps_strength(tree, cluster, p)
     share = _cluster_strength(tree, cluster, p) / total
     return share * node_strength(tree, leaf, p) / whole
