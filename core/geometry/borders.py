@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from .intersector import Intersector
 from .mesh import Mesh
+from .triangles import Floats, normals_and_areas
 
-Floats = NDArray[np.float64]
 #: Faces that meet at a fold sharper than this cosine (45 degrees) make a border.
 SMOOTH_COSINE = 0.7
 #: Neighbours in the sorted list of half edges that are compared: faces at one edge.
@@ -66,7 +66,7 @@ def borders_of(
     corners = mesh.vertices[mesh.faces[face]].astype(np.float64)
     rows = np.arange(len(face))
     ends = np.stack([corners[rows, side], corners[rows, (side + 1) % 3]], axis=1)
-    normal = _normals(corners)
+    normal = normals_and_areas(corners)[0]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     used = (length > 0) & (normal != 0).any(axis=1) & (length <= _MOST_STEPS * longest)
     steps = np.ceil(length / longest).astype(np.int64)
@@ -136,17 +136,10 @@ def _places(vertices: NDArray[np.float32]) -> NDArray[np.int64]:
     return place
 
 
-def _normals(corners: Floats) -> Floats:
-    """Unit normals (F, 3) of triangles (F, 3, 3), zero where there is none."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    unit: Floats = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    return unit
-
-
 def _inward(corners: Floats) -> Floats:
     """Unit vectors (F, 3, 3) in each face's plane, from each of its sides inwards."""
     side = np.roll(corners, -1, axis=1) - corners
-    way = np.cross(_normals(corners)[:, None], side)
+    way = np.cross(normals_and_areas(corners)[0][:, None], side)
     unit: Floats = way / np.maximum(np.linalg.norm(way, axis=2, keepdims=True), 1e-300)
     return unit
 
@@ -201,7 +194,7 @@ def _gaps(
         hit = np.flatnonzero(hits.face >= 0)
         hit = hit[holds[hits.face[hit]]]
         corners = mesh.vertices[mesh.faces[hits.face[hit]]].astype(np.float64)
-        normal = _normals(corners)
+        normal = normals_and_areas(corners)[0]
         cosine = (normal * up[hit]).sum(axis=1)
         flat = np.abs(cosine) > SMOOTH_COSINE
         hit, corners, normal, cosine = hit[flat], corners[flat], normal[flat], cosine[flat]

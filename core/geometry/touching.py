@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .interaction import OFFSET
 from .mesh import Mesh
+from .triangles import normals_and_areas
 
 #: Planes nearer than this are one; relative to the face's largest coordinate.
 _SAME = 2 * OFFSET
@@ -104,20 +105,19 @@ def _near_glass(mesh: Mesh, glass: NDArray[np.bool_], body: NDArray[np.int64]) -
     largest = _most(np.maximum(-low, high))
     # Piece by piece, so that what lies between stays in the processor's cache.
     pieces = [
-        _normals(mesh.vertices[mesh.faces[part]].astype(np.float64))
+        _planes_of(mesh.vertices[mesh.faces[part]].astype(np.float64))
         for part in np.array_split(chosen, len(chosen) // _PIECE + 1)
     ]
     normal, area, height = (np.concatenate(column) for column in zip(*pieces, strict=True))
     # The face's height over its longest side is what rounding turns it about.
-    tilt = np.minimum(_ROUNDING * largest * _most(high - low) / area, _MOST_TILT)
+    twice = np.maximum(2.0 * area, 1e-300)
+    tilt = np.minimum(_ROUNDING * largest * _most(high - low) / twice, _MOST_TILT)
     return _Faces(chosen, low, high, normal, height, body[chosen], glass[chosen], largest, tilt)
 
 
-def _normals(corners: NDArray[np.float64]) -> tuple[NDArray, NDArray, NDArray]:
-    """Unit normals, twice the areas, and the heights of the planes over the origin."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.maximum(np.sqrt(np.einsum("fk,fk->f", normal, normal)), 1e-300)
-    normal /= area[:, None]
+def _planes_of(corners: NDArray[np.float64]) -> tuple[NDArray, NDArray, NDArray]:
+    """Unit normals, areas, and the heights of the planes over the origin."""
+    normal, area = normals_and_areas(corners)
     return normal, area, np.einsum("fk,fk->f", normal, corners[:, 0])
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..bsdf.resolve import emitted_at
 from ..geometry.mesh import Mesh
+from ..geometry.triangles import normals_and_areas
 from ..geometry.vector import Vector, cross, normalize, read, subtract, vector
 from ..jit import Row, Table, kernel
 from ..sampling.distributions import cumulative, sample_discrete
@@ -33,9 +34,7 @@ def emitters_of(mesh: Mesh, materials: NDArray[np.void]) -> Emitters:
     shining = np.flatnonzero(radiance > 0)
     faces = np.flatnonzero(np.isin(mesh.material, shining)).astype(np.int32)
     corners = mesh.vertices[mesh.faces[faces]].astype(np.float64)
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = 0.5 * np.linalg.norm(normal, axis=1)
-    weight = area * radiance[mesh.material[faces]]
+    weight = normals_and_areas(corners)[1] * radiance[mesh.material[faces]]
     return Emitters(faces, cumulative(weight), float(weight.sum()))
 
 
