@@ -29,15 +29,11 @@ def write_curve_table(path: Path, points: Sequence[CurvePoint]) -> None:
 
 
 def write_curve_plot(path: Path, points: Sequence[CurvePoint], title: str) -> None:
-    """Draw ``points`` over the seconds of rendering, both axes logarithmic; SVG or PNG.
-
-    The backend is matplotlib's own for files: no window, no state shared with others.
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    """Draw ``points`` over the seconds of rendering, both axes logarithmic; SVG or PNG."""
+    # Not pyplot: its state is shared with others in the process, and it looks for a window.
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.4, 4.4), layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     known = [p for p in points if math.isfinite(p.relative_error) and p.seconds > 0]
     seconds = [p.seconds for p in known]
@@ -49,7 +45,8 @@ def write_curve_plot(path: Path, points: Sequence[CurvePoint], title: str) -> No
         if any(value > 0 for value in values):
             # A logarithmic axis has no place for what could not be told from 0.
             shown = [100 * value if value > 0 else math.nan for value in values]
-            axes.plot(seconds, shown, style, marker="." if len(known) < 30 else "", label=name)
+            marker = "." if len(known) < 30 else ""
+            axes.plot(seconds, shown, style, marker=marker, label=name, gid=name)
     if axes.lines:
         axes.set_xscale("log")
         axes.set_yscale("log")
@@ -58,11 +55,7 @@ def write_curve_plot(path: Path, points: Sequence[CurvePoint], title: str) -> No
     axes.set_ylabel("stated error of a typical pixel [%]")
     axes.set_title(title)
     axes.grid(True, which="both", alpha=0.3)
-    # Without a date and with fixed identifiers the same render writes the same file.
-    metadata = {"Title": title, "Creator" if path.suffix == ".svg" else "Software": ENGINE}
-    if path.suffix == ".svg":
-        metadata["Date"] = None  # type: ignore[assignment]
-    figure.savefig(path, metadata=metadata, dpi=120)
+    figure.savefig(path, metadata={"Title": title}, dpi=120)
 
 
 def curve_title(scene: str, width: int, height: int) -> str:
