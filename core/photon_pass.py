@@ -10,7 +10,7 @@ from .camera_pass.chunk import PhotonMaps, Region
 from .photons.photon_map import build_photon_map
 from .photons.radius import GLOBAL_ALPHA, radius_factor
 from .photons.trace import Walk, trace_photons
-from .pilot import PILOT_PASS, Radii, first_radii
+from .pilot import PILOT_PASS, Radii, first_radii, no_radii
 from .plan import Plan
 from .prepared import Prepared
 from .sampling.rng import PHOTON_CAUSTIC, PHOTON_GLOBAL
@@ -57,7 +57,12 @@ def trace_batch(prepared: Prepared, settings: Settings, i: int, batch: Batch) ->
 def pilot_radii(
     prepared: Prepared, settings: Settings, region: Region, batches: list[Batch]
 ) -> Radii:
-    """Radii of pass 0, from a pilot pass with random numbers of its own."""
+    """Radii of pass 0, from a pilot pass with random numbers of its own.
+
+    Without photons nothing is asked for radii, and nothing is traced.
+    """
+    if not batches:
+        return no_radii()
     walks = [
         trace_batch(prepared, settings, PILOT_PASS, batch)
         for batch in batches

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .camera_pass.caustics import footprints
 from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather, wide_only
 from .film.film import SAMPLE
-from .geometry.borders import borders_of
+from .geometry.borders import borders_of, no_borders
 from .photons.coverage import MOST_PIECES, BorderGrid, border_grid
 from .prepared import Prepared
 from .settings import Settings
@@ -34,6 +34,11 @@ class Radii(NamedTuple):
     caustic: tuple[float, float, float, float]
     global_: float
     borders: BorderGrid
+
+
+def no_radii() -> Radii:
+    """Of a render without photons."""
+    return Radii((0.0, 0.0, 0.0, 0.0), 0.0, border_grid(no_borders(), 1.0))
 
 
 def first_radii(

@@ -1,0 +1,36 @@
+"""The pilot asks for nothing that no stage needs."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from photon_map.core.camera_pass.chunk import Region
+from photon_map.core.photon_pass import photon_batches, pilot_radii
+from photon_map.core.plan import Plan
+from photon_map.core.prepared import prepare
+from photon_map.core.settings import Settings
+from tests.scenes import cornell_glass
+
+
+def refuse(*_: Any) -> Any:
+    raise AssertionError("a ray was traced")
+
+
+@pytest.mark.parametrize("photons", [0, 64])
+def test_without_photons_the_pilot_traces_no_ray(photons: int) -> None:
+    scene = cornell_glass(8)
+    settings = Settings(photons_global=photons, photons_caustic=photons, passes=1)
+    prepared = prepare(scene, settings)
+    blind = prepared._replace(intersector=SimpleNamespace(nearest=refuse, is_free=refuse))
+    batches = photon_batches(Plan.of(scene, settings), settings, 64)
+    assert scene.camera is not None
+    region = Region.of(scene.camera, settings)
+    if photons:
+        with pytest.raises(AssertionError, match="a ray was traced"):
+            pilot_radii(blind, settings, region, batches)
+        assert pilot_radii(prepared, settings, region, batches).global_ > 0.0
+    else:
+        assert pilot_radii(blind, settings, region, batches).global_ == 0.0
