@@ -23,7 +23,7 @@ def write_curve_table(path: Path, points: Sequence[CurvePoint]) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         for point in points:
-            errors = (point.relative_error, point.noise, point.bias)
+            errors = (point.error.relative_error, *point.error)
             known = (f"{error:.6g}" if math.isfinite(error) else "" for error in errors)
             writer.writerow((point.passes, f"{point.seconds:.3f}", *known))
 
@@ -35,12 +35,12 @@ def write_curve_plot(path: Path, points: Sequence[CurvePoint], title: str) -> No
 
     figure = Figure(figsize=(6.4, 4.4), layout="constrained")
     axes = figure.add_subplot()
-    known = [p for p in points if math.isfinite(p.relative_error) and p.seconds > 0]
+    known = [p for p in points if math.isfinite(p.error.noise) and p.seconds > 0]
     seconds = [p.seconds for p in known]
     for name, style, values in (
-        ("noise and bias", "-", [p.relative_error for p in known]),
-        ("noise", "--", [p.noise for p in known]),
-        ("bias", ":", [p.bias for p in known]),
+        ("noise and bias", "-", [p.error.relative_error for p in known]),
+        ("noise", "--", [p.error.noise for p in known]),
+        ("bias", ":", [p.error.bias for p in known]),
     ):
         if any(value > 0 for value in values):
             # A logarithmic axis has no place for what could not be told from 0.

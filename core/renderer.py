@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from collections import deque
@@ -13,7 +12,8 @@ from itertools import islice
 from typing import Any, TypeVar
 
 from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
-from .film.film import Film, StatedError
+from .film.film import Film
+from .film.stated_error import UNKNOWN
 from .jit import has_compiled, set_compiled
 from .photon_pass import Batch, photon_batches, photon_maps, pilot_radii, trace_batch
 from .pilot import Radii
@@ -65,7 +65,7 @@ class _Render:
         # Chunks queued at a time: enough for every thread, few enough for the memory.
         self.in_flight = 2 * settings.thread_count + 2
         self.compiling = True
-        self.error = StatedError(math.inf, 0.0)
+        self.error = UNKNOWN
         self.error_passes = 0
 
     def updates(self) -> Iterator[Update]:
@@ -110,9 +110,7 @@ class _Render:
             phase=phase,
             passes=passes,
             film=self.film,
-            relative_error=self.error.relative_error,
-            noise=self.error.noise,
-            bias=self.error.bias,
+            error=self.error,
             seconds=0.0 if setup else now - self.render_begin,
             setup_seconds=(now if setup else self.render_begin) - self.begin,
             plan=self.plan,

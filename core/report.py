@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from .film.stated_error import StatedError
 from .scene.scene import Scene
 from .settings import Settings
 from .version import ENGINE, VERSION
@@ -21,9 +22,7 @@ class CurvePoint:
 
     passes: int
     seconds: float
-    relative_error: float
-    noise: float
-    bias: float
+    error: StatedError
 
 
 class ErrorCurve:
@@ -40,15 +39,7 @@ class ErrorCurve:
     def add(self, update: Update) -> None:
         """Keep the update when it has passes that the last point had not."""
         if update.passes > (self._points[-1].passes if self._points else 0):
-            self._points.append(
-                CurvePoint(
-                    update.passes,
-                    update.seconds,
-                    update.relative_error,
-                    update.noise,
-                    update.bias,
-                )  # fmt: skip
-            )
+            self._points.append(CurvePoint(update.passes, update.seconds, update.error))
 
 
 def completed(update: Update, settings: Settings) -> float:
@@ -89,9 +80,7 @@ def render_report(
         "photons_stored": int(statistics.photons_stored),
         "rays": int(statistics.rays),
         "non_finite": int(statistics.non_finite),
-        "relative_error": _finite(update.relative_error),
-        "noise": _finite(update.noise),
-        "bias": _finite(update.bias),
+        **_errors(update.error),
         "plan": [
             {"stage": stage.name, "on": bool(stage.on), "reason": stage.reason}
             for stage in update.plan.stages
@@ -100,12 +89,18 @@ def render_report(
             {
                 "pass": point.passes,
                 "seconds": _finite(point.seconds),
-                "relative_error": _finite(point.relative_error),
-                "noise": _finite(point.noise),
-                "bias": _finite(point.bias),
+                **_errors(point.error),
             }
             for point in curve
         ],
+    }
+
+
+def _errors(error: StatedError) -> dict[str, float | None]:
+    return {
+        "relative_error": _finite(error.relative_error),
+        "noise": _finite(error.noise),
+        "bias": _finite(error.bias),
     }
 
 

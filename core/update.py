@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from .film.film import Film
+from .film.stated_error import StatedError
 from .plan import Plan
 
 Phase = Literal["setup", "render", "done"]
@@ -16,18 +17,20 @@ class Update:
     """The state of a render at one moment.
 
     ``passes``: whole passes in ``film``, which goes on changing when the render is pulled
-    again; ``relative_error``, ``noise``, ``bias``: see ``Film.stated_error``; ``seconds``:
-    rendering alone;
+    again; ``error``: see ``Film.stated_error``; ``seconds``: rendering alone;
     ``setup_seconds``: building and compiling before it.
     """
 
     phase: Phase
     passes: int
     film: Film
-    relative_error: float
-    noise: float
-    bias: float
+    error: StatedError
     seconds: float
     setup_seconds: float
     plan: Plan
     message: str = ""
+
+    @property
+    def relative_error(self) -> float:
+        """The stated error, noise and bias together: 0.1 means 10 % in a typical pixel."""
+        return self.error.relative_error

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -11,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from photon_map.core.film.stated_error import UNKNOWN, StatedError
 from photon_map.core.scene.scene import Scene
 from photon_map.core.settings import Settings
 
@@ -54,12 +54,14 @@ class FakeUpdate:
     film: FakeFilm
     phase: str = "render"
     seconds: float = 0.0
-    relative_error: float = math.inf
-    noise: float = math.inf
-    bias: float = 0.0
+    error: StatedError = UNKNOWN
     setup_seconds: float = 0.5
     message: str = ""
     plan: SimpleNamespace = field(default_factory=lambda: PLAN)
+
+    @property
+    def relative_error(self) -> float:
+        return self.error.relative_error
 
 
 @dataclass
@@ -77,7 +79,7 @@ class FakeRender:
         try:
             for i in range(min(settings.passes, 6)):
                 self.at_pass(i)
-                error = 1 / i if i > 1 else math.inf
+                error = StatedError(1 / i, 0.0) if i > 1 else UNKNOWN
                 phase = "render" if i else "compile"
                 yield FakeUpdate(i, film, phase, 0.1 * i, error, message=f"{phase} {i}")
         finally:

@@ -5,6 +5,7 @@ import io
 import pytest
 
 from photon_map import progress
+from photon_map.core.film.stated_error import StatedError
 from photon_map.core.settings import Settings
 from photon_map.progress import ProgressDisplay, describe
 from tests.fake_render import FakeFilm, FakeUpdate
@@ -46,7 +47,7 @@ def test_a_terminal_gets_a_bar(monkeypatch: pytest.MonkeyPatch):
     stream = Terminal()
     with ProgressDisplay(stream) as display:
         display.show(
-            FakeUpdate(16, FILM, seconds=2.0, relative_error=0.25), Settings(passes=64)
+            FakeUpdate(16, FILM, seconds=2.0, error=StatedError(0.25, 0.0)), Settings(passes=64)
         )
     assert "25 %" in stream.getvalue()
     assert "pass 16, 2.0 s, error 0.2500" in stream.getvalue()

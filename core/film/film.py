@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..sampling.rng import REPLICATES
 from .accumulate import add_samples, bias_square, relative_mean, variance_of_mean
+from .stated_error import UNKNOWN, StatedError
 
 #: Layers whose sum is the picture.
 LIGHT_LAYERS = ("emission", "direct", "caustics", "indirect")
@@ -48,19 +49,6 @@ class RenderStatistics:
     photons_stored: int = 0
     rays: int = 0
     non_finite: int = 0
-
-
-@dataclass(frozen=True)
-class StatedError:
-    """Noise and bias of an image, each as the square root of its part of the relMSE."""
-
-    noise: float
-    bias: float
-
-    @property
-    def relative_error(self) -> float:
-        """Both together: 0.1 means 10 % in a typical pixel."""
-        return math.hypot(self.noise, self.bias)
 
 
 class Film:
@@ -213,7 +201,7 @@ class Film:
         density estimates, in place of the squared difference. A black image has no error.
         """
         if self.passes < 2:
-            return StatedError(math.inf, 0.0)
+            return UNKNOWN
         variance, mean = self._variance_and_mean()
         noise = relative_mean(variance, mean, SKEW)
         bias = max(0.0, relative_mean(self._bias_square(), mean, 0.0))

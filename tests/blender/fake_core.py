@@ -14,8 +14,7 @@ def update(
 ) -> Any:
     """Looks like ``core.Update``, whose import needs Numba."""
     return SimpleNamespace(
-        phase=phase, passes=passes, film=film, relative_error=error, noise=error,
-        bias=0.0, seconds=seconds,
+        phase=phase, passes=passes, film=film, relative_error=error, seconds=seconds,
         setup_seconds=0.5, plan=plan, message="",
     )  # fmt: skip
 

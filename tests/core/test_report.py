@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from photon_map.core.film.stated_error import UNKNOWN, StatedError
 from photon_map.core.report import ErrorCurve, completed, render_report
 from photon_map.core.scene.builder import SceneBuilder
 from photon_map.core.settings import Settings
@@ -20,9 +21,7 @@ class FakeUpdate:
 
     passes: int
     seconds: float = 1.0
-    relative_error: float = math.inf
-    noise: float = math.inf
-    bias: float = 0.0
+    error: StatedError = UNKNOWN
     setup_seconds: float = 0.5
     film: SimpleNamespace = field(
         default_factory=lambda: SimpleNamespace(
@@ -38,6 +37,10 @@ class FakeUpdate:
         )
     )
 
+    @property
+    def relative_error(self) -> float:
+        return self.error.relative_error
+
 
 def test_the_report_has_the_promised_keys_and_is_json():
     curve = ErrorCurve()
@@ -45,7 +48,7 @@ def test_the_report_has_the_promised_keys_and_is_json():
         FakeUpdate(0),
         FakeUpdate(1),
         FakeUpdate(1),
-        FakeUpdate(3, 2.5, 0.125, 0.12, 0.035),
+        FakeUpdate(3, 2.5, StatedError(0.12, 0.035)),
     ):
         curve.add(update)
     scene = SceneBuilder("box").build()
@@ -80,7 +83,7 @@ def test_the_report_has_the_promised_keys_and_is_json():
 def test_an_error_that_is_not_known_is_null():
     scene = SceneBuilder("box").build()
     for unknown in (math.inf, math.nan, np.float64("nan")):
-        report = render_report(FakeUpdate(1, 1.0, unknown), scene, Settings())
+        report = render_report(FakeUpdate(1, 1.0, StatedError(unknown, 0.0)), scene, Settings())
         assert report["relative_error"] is None
 
 
@@ -89,9 +92,9 @@ def test_an_error_that_is_not_known_is_null():
     [
         (FakeUpdate(16), Settings(passes=64), 0.25),
         (FakeUpdate(16, seconds=5.0), Settings(passes=64, seconds=10.0), 0.5),
-        (FakeUpdate(1, relative_error=0.2), Settings(passes=64, error_goal=0.1), 0.25),
-        (FakeUpdate(1, relative_error=math.inf), Settings(error_goal=0.1), 1 / 64),
-        (FakeUpdate(9, relative_error=0.0), Settings(passes=9, error_goal=0.1), 1.0),
+        (FakeUpdate(1, error=StatedError(0.2, 0.0)), Settings(passes=64, error_goal=0.1), 0.25),
+        (FakeUpdate(1), Settings(error_goal=0.1), 1 / 64),
+        (FakeUpdate(9, error=StatedError(0.0, 0.0)), Settings(passes=9, error_goal=0.1), 1.0),
         (FakeUpdate(9, seconds=30.0), Settings(passes=64, seconds=10.0), 1.0),
     ],
 )
