@@ -134,10 +134,11 @@ SWEEPS = {
 
 @dataclass(frozen=True)
 class Point:
-    """One roughness. ``mean`` of the image and its standard ``error``, over seeds;
+    """What was measured at one roughness.
 
-    ``noise``: relative MSE of one render, its bias by blur not counted; ``truth`` and
-    ``truth_error``: the reference's mean, NaN where it has none; ``seconds`` of a render.
+    ``mean`` of the image and its standard ``error``, over seeds; ``noise``: relative MSE of
+    one render, its bias by blur not counted; ``truth`` and ``truth_error``: the reference's
+    mean, NaN where it has none; ``image`` (h, w, 3): the mean over seeds.
     """
 
     roughness: float
