@@ -88,7 +88,7 @@ def test_layers_add_up_and_the_report_counts(tmp_path: Path):
     assert plot.tag.endswith("svg")
     drawn = next(e for e in plot.iter() if e.get("id") == "noise and bias")
     known = [point for point in report["curve"] if point["relative_error"] is not None]
-    assert len(list(drawn.iter("{http://www.w3.org/2000/svg}use"))) == len(known) > 1
+    assert len(drawn.findall(".//{*}use")) == len(known) >= 1
     assert pixels["error.V"].shape == (16, 16) and pixels["error.V"].min() > 0
     assert {stage["stage"] for stage in report["plan"] if stage["on"]} >= {"direct", "caustics"}
     with Image.open(tmp_path / "b.png") as image:
