@@ -8,30 +8,34 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import signal
 import sys
-import tempfile
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 try:
     import typer
 except ImportError as missing:
     raise SystemExit(f"{missing}; install with: pip install 'photon-map[cli]'") from missing
 
-from .blender_libraries import BlenderMissingError
+from .arguments import (
+    FileArgument,
+    FrameOption,
+    check_writable,
+    reported_errors,
+    source_of,
+    warn,
+)
 from .core.file_replace import replacing
 from .core.report import ErrorCurve, render_report
 from .core.scene.dump import save_scene
-from .core.scene.scene import SceneError
-from .core.settings import Settings, SettingsError
+from .core.settings import Settings
 from .core.version import ENGINE, VERSION
 from .curve_file import curve_title, write_curve_plot, write_curve_table
 from .image_file import Frame, write_exr
+from .photon_commands import MapsUse, bake, maps_settings
 from .progress import ProgressDisplay, describe
 from .source import CommandError, Loaded, Source
 
@@ -40,9 +44,6 @@ if TYPE_CHECKING:
 
 #: Passes when only other limits were asked for: the largest count that Settings takes.
 ENDLESS = 10_000_000
-
-#: Blender's last frame; beyond it takes this one without a word.
-LAST_FRAME = 1_048_574
 
 app = typer.Typer(
     help=f"{ENGINE}: a photon-mapping renderer for Blender's files.",
@@ -90,10 +91,6 @@ def about(
         raise typer.Exit
 
 
-FileArgument = Annotated[Path, typer.Argument(metavar="FILE.blend|FILE.npz")]
-FrameOption = Annotated[int | None, typer.Option(help="Frame of the .blend to take.")]
-
-
 @app.command()
 def render(
     file: FileArgument,
@@ -118,6 +115,9 @@ def render(
             metavar="R.json", help="Counts, times, errors; R.csv and R.svg: the curve."
         ),
     ] = None,
+    maps: Annotated[
+        MapsUse, typer.Option(help="Baked photon maps beside FILE that do not fit it any more.")
+    ] = MapsUse.TRACE,
     save_scene_to: Annotated[
         Path | None, typer.Option("--save-scene", metavar="S.npz", help="Keep the scene.")
     ] = None,
@@ -135,14 +135,15 @@ def render(
         else filter_width,
     }
     with reported_errors():
-        source = _source(file, frame, size, overrides)
+        overrides |= maps_settings(file, maps)
+        source = source_of(file, frame, size, overrides)
         pictures = _pictures(output)
         others = [path for path in (report, save_scene_to) if path is not None]
         if save_scene_to is not None and save_scene_to.suffix.lower() != ".npz":
             raise CommandError(f"'{save_scene_to}': a scene is saved to an .npz file")
         outputs = [*pictures.values(), *others, *(_beside(report) if report else ())]
         for path in outputs:
-            _check_writable(path, source.path)
+            check_writable(path, source.path)
         if len({os.path.realpath(path) for path in outputs}) < len(outputs):
             raise CommandError("two outputs go to the same file")
         stopped = _render_to(source, pictures, report, save_scene_to)
@@ -155,7 +156,7 @@ def render(
 def plan(file: FileArgument, frame: FrameOption = None) -> None:
     """Print which stages a render of FILE needs, and why."""
     with reported_errors():
-        source = _source(file, frame, None, {})
+        source = source_of(file, frame, None, {})
         from .core import Plan
 
         loaded = source.load()
@@ -163,36 +164,15 @@ def plan(file: FileArgument, frame: FrameOption = None) -> None:
         width = max((len(stage.name) for stage in planned.stages), default=0)
         for stage in planned.stages:
             typer.echo(f"{stage.name:<{width}}  {'on ' if stage.on else 'off'}  {stage.reason}")
-        _warn(*loaded.warnings, *planned.warnings)
+        warn(*loaded.warnings, *planned.warnings)
+
+
+app.command()(bake)
 
 
 def main() -> None:
     """Entry point of the ``photonmap`` command."""
     app(prog_name="photonmap")
-
-
-@contextmanager
-def reported_errors() -> Iterator[None]:
-    """Turn what a user can mend into one line on stderr and an exit code."""
-    try:
-        yield
-    except SettingsError as problem:
-        _fail(problem, 2)
-    except (CommandError, SceneError, BlenderMissingError, OSError, MemoryError) as problem:
-        _fail(problem, 1)
-    except KeyboardInterrupt:
-        _fail("stopped by Ctrl-C before the first pass was done; nothing was written", 130)
-
-
-def _fail(problem: object, code: int) -> None:
-    text = " ".join(str(problem).split()) or type(problem).__name__
-    typer.echo(f"photonmap: error: {text}", err=True)
-    raise typer.Exit(code)
-
-
-def _warn(*warnings: str) -> None:
-    for text in dict.fromkeys(warnings):
-        typer.echo(f"photonmap: warning: {text}", err=True)
 
 
 def _limits(
@@ -211,29 +191,6 @@ def _limits(
     }
 
 
-def _source(
-    file: Path, frame: int | None, size: str | None, overrides: dict[str, Any]
-) -> Source:
-    """Check everything about the input that can be checked without opening it."""
-    given = {key: value for key, value in overrides.items() if value is not None}
-    Settings(**given)
-    pixels = re.fullmatch(r"([1-9]\d{0,4})x([1-9]\d{0,4})", size) if size else None
-    if size and not pixels:
-        raise typer.BadParameter(f"'{size}' is not like 640x360", param_hint="--size")
-    if not file.exists():
-        raise CommandError(f"there is no file '{file}'")
-    if not file.is_file():
-        raise CommandError(f"'{file}' is not a file")
-    if file.suffix.lower() not in (".blend", ".npz"):
-        raise CommandError(f"'{file}' is neither a .blend nor an .npz")
-    if frame is not None and file.suffix.lower() == ".npz":
-        raise typer.BadParameter("an .npz holds one frame only", param_hint="--frame")
-    if frame is not None and abs(frame) > LAST_FRAME:
-        raise typer.BadParameter(f"{frame} is beyond {LAST_FRAME}", param_hint="--frame")
-    pair = (int(pixels[1]), int(pixels[2])) if pixels else None
-    return Source(file, frame, pair, given)
-
-
 def _pictures(outputs: list[Path]) -> dict[str, Path]:
     """The outputs by suffix."""
     pictures: dict[str, Path] = {}
@@ -250,19 +207,6 @@ def _pictures(outputs: list[Path]) -> dict[str, Path]:
 def _beside(report: Path) -> tuple[Path, Path]:
     """Where the curve of a report goes: a table and a plot."""
     return report.with_suffix(".csv"), report.with_suffix(".svg")
-
-
-def _check_writable(path: Path, source: Path) -> None:
-    """Raise ``CommandError`` when ``path`` could not be written after the render."""
-    if path.exists() and not path.is_file():
-        raise CommandError(f"'{path}' is not a file")
-    if path.exists() and path.samefile(source):
-        raise CommandError(f"'{path}' would overwrite the scene that is rendered")
-    try:
-        # The only question that answers for every file system and user.
-        tempfile.TemporaryFile(dir=Path(os.path.realpath(path)).parent).close()
-    except OSError as problem:
-        raise CommandError(f"cannot write '{path}': {problem.strerror}") from problem
 
 
 def _details(update: Update) -> dict[str, str]:
@@ -310,7 +254,7 @@ def _render_to(
             write_curve_plot(stack.enter_context(replacing(plot)), curve.points, title)
         if scene_file is not None:
             save_scene(scene_file, result.scene, result.settings)
-    _warn(*result.warnings, *result.update.plan.warnings)
+    warn(*result.warnings, *result.update.plan.warnings)
     written = [*pictures.values(), *((report, *_beside(report)) if report else ())]
     written += [scene_file] if scene_file else []
     typer.echo(f"{describe(result.update)}: wrote {', '.join(map(str, written))}")

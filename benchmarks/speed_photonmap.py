@@ -16,7 +16,7 @@ from measure import Image
 
 from photon_map.core import Scene, Settings, render
 from photon_map.core.camera_pass.chunk import Region
-from photon_map.core.photon_pass import photon_batches, pilot_radii
+from photon_map.core.photon_pass import TracedPhotons, photon_batches, pilot_radii
 from photon_map.core.plan import Plan
 from photon_map.core.prepared import prepare
 from photon_map.core.version import ENGINE, VERSION
@@ -66,5 +66,5 @@ def pilot_seconds(scene: Scene, chosen: Settings) -> float:
     prepared, region = prepare(scene, chosen), Region.of(scene.camera, chosen)
     batches = photon_batches(Plan.of(scene, chosen), chosen, region.width * region.height)
     begin = time.perf_counter()
-    pilot_radii(prepared, chosen, region, batches)
+    pilot_radii(prepared, chosen, region, TracedPhotons(prepared, chosen, batches))
     return time.perf_counter() - begin

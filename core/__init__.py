@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .baking.bake import bake
     from .diagnosis import Finding, why_no_caustic
     from .film.film import Film
     from .plan import Plan
@@ -32,6 +33,7 @@ _HOMES = {
     "Settings": ".settings",
     "SettingsError": ".settings",
     "Update": ".update",
+    "bake": ".baking.bake",
     "completed": ".report",
     "render": ".renderer",
     "why_no_caustic": ".diagnosis",
@@ -48,6 +50,7 @@ __all__ = [
     "Settings",
     "SettingsError",
     "Update",
+    "bake",
     "completed",
     "render",
     "why_no_caustic",

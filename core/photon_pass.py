@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .camera_pass.chunk import PhotonMaps, Region
 from .photons.photon_map import build_photon_map
@@ -44,6 +46,37 @@ def photon_batches(plan: Plan, settings: Settings, pixels: int) -> list[Batch]:
     return batches
 
 
+class PhotonSource(Protocol):
+    """Where the photons of a render come from: ``batches`` of each pass, walks, a pilot."""
+
+    batches: list[Batch]
+
+    def walk(self, i: int, batch: Batch) -> Walk:
+        """What ``batch`` of pass ``i`` left."""
+
+    def pilot(self) -> NDArray[np.float64]:
+        """Positions (P, 3), centred, of the global photons of a pass of its own."""
+
+
+class TracedPhotons:
+    """Photons traced when they are asked for."""
+
+    def __init__(self, prepared: Prepared, settings: Settings, batches: list[Batch]) -> None:
+        self._prepared = prepared
+        self._settings = settings
+        self.batches = batches
+
+    def walk(self, i: int, batch: Batch) -> Walk:
+        """Emit and trace one batch of pass ``i``."""
+        return trace_batch(self._prepared, self._settings, i, batch)
+
+    def pilot(self) -> NDArray[np.float64]:
+        """Traced with random numbers of their own."""
+        walks = [self.walk(PILOT_PASS, batch) for batch in self.batches if not batch.caustic]
+        positions = [walk.photons["position"].astype(np.float64) for walk in walks]
+        return np.concatenate(positions) if positions else np.zeros((0, 3))
+
+
 def trace_batch(prepared: Prepared, settings: Settings, i: int, batch: Batch) -> Walk:
     """Emit and trace one batch of pass ``i``."""
     light_cdf = prepared.aim.light_cdf if batch.caustic else prepared.lights.photon_cdf
@@ -55,22 +88,12 @@ def trace_batch(prepared: Prepared, settings: Settings, i: int, batch: Batch) ->
 
 
 def pilot_radii(
-    prepared: Prepared, settings: Settings, region: Region, batches: list[Batch]
+    prepared: Prepared, settings: Settings, region: Region, source: PhotonSource
 ) -> Radii:
-    """Radii of pass 0, from a pilot pass with random numbers of its own.
-
-    Without photons nothing is asked for radii, and nothing is traced.
-    """
-    if not batches:
+    """Radii of pass 0. Without photons nothing is asked for radii, and nothing is traced."""
+    if not source.batches:
         return no_radii()
-    walks = [
-        trace_batch(prepared, settings, PILOT_PASS, batch)
-        for batch in batches
-        if not batch.caustic
-    ]
-    positions = [walk.photons["position"].astype(np.float64) for walk in walks]
-    photons = np.concatenate(positions) if positions else np.zeros((0, 3))
-    return first_radii(prepared, settings, region, photons)
+    return first_radii(prepared, settings, region, source.pilot())
 
 
 def photon_maps(

@@ -11,11 +11,12 @@ from dataclasses import replace
 from itertools import islice
 from typing import Any, TypeVar
 
+from .baking.bake import photon_source
 from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
 from .film.film import Film
 from .film.stated_error import UNKNOWN
 from .jit import has_compiled, set_compiled
-from .photon_pass import Batch, photon_batches, photon_maps, pilot_radii, trace_batch
+from .photon_pass import PhotonSource, photon_maps, pilot_radii
 from .pilot import Radii
 from .plan import Plan
 from .prepared import Prepared, prepare
@@ -77,21 +78,25 @@ class _Render:
                 self.pool.submit(prepare, self.scene, self.settings, self.stop),
                 "building the scene",
             )
-            batches = photon_batches(
-                self.plan, self.settings, self.region.width * self.region.height
+            pixels = self.region.width * self.region.height
+            source, self.plan = yield from self._watch(
+                self.pool.submit(
+                    photon_source, self.scene, self.settings, self.plan, prepared, pixels
+                ),
+                "photon maps" if self.settings.photon_maps else pilot,
             )
             radii = yield from self._watch(
-                self.pool.submit(pilot_radii, prepared, self.settings, self.region, batches),
+                self.pool.submit(pilot_radii, prepared, self.settings, self.region, source),
                 pilot,
             )
             yield from self._watch(
-                self.pool.submit(self._warm_up, prepared, radii, batches),
+                self.pool.submit(self._warm_up, prepared, radii, source),
                 pilot,
             )
             self.compiling = False
             set_compiled()
             self.render_begin = time.perf_counter()
-            yield from self._passes(prepared, radii, batches)
+            yield from self._passes(prepared, radii, source)
             yield self._update("done", "")
         finally:
             self.stop.set()
@@ -123,10 +128,10 @@ class _Render:
             yield self._update("setup", message)
         return future.result()
 
-    def _warm_up(self, prepared: Prepared, radii: Radii, batches: list[Batch]) -> None:
+    def _warm_up(self, prepared: Prepared, radii: Radii, source: PhotonSource) -> None:
         """A few pixels through every kernel: compiling is set-up, not rendering."""
-        few = [replace(batch, count=min(batch.count, 16)) for batch in batches]
-        walks = [trace_batch(prepared, self.settings, 0, batch) for batch in few]
+        few = [replace(batch, count=min(batch.count, 16)) for batch in source.batches]
+        walks = [source.walk(0, batch) for batch in few]
         maps = photon_maps(self.settings, radii, 0, few, walks)
         total = self.region.width * self.region.height
         stride = max(1, total // 256)
@@ -138,7 +143,7 @@ class _Render:
         film.stated_error()
 
     def _passes(
-        self, prepared: Prepared, radii: Radii, batches: list[Batch]
+        self, prepared: Prepared, radii: Radii, source: PhotonSource
     ) -> Generator[Update, None, None]:
         """Passes until a limit is met; photons are traced two passes ahead.
 
@@ -147,8 +152,7 @@ class _Render:
         """
         last = time.perf_counter()
         maps = deque(
-            self._launch_photons(prepared, radii, batches, i)
-            for i in range(min(2, self.settings.passes))
+            self._launch_photons(radii, source, i) for i in range(min(2, self.settings.passes))
         )
         for i in range(self.settings.passes):
             while not wait([maps[0]], timeout=SILENCE).done:
@@ -159,7 +163,7 @@ class _Render:
             waiting = self._chunks(prepared, current, i)
             chunks = deque(islice(waiting, self.in_flight))
             if i + 2 < self.settings.passes:
-                maps.append(self._launch_photons(prepared, radii, batches, i + 2))
+                maps.append(self._launch_photons(radii, source, i + 2))
             while chunks:
                 while not wait([chunks[0]], timeout=SILENCE).done:
                     yield self._update("render", "")
@@ -195,13 +199,10 @@ class _Render:
             and self.film.passes > 0
         )
 
-    def _launch_photons(
-        self, prepared: Prepared, radii: Radii, batches: list[Batch], i: int
-    ) -> Future[PhotonMaps]:
+    def _launch_photons(self, radii: Radii, source: PhotonSource, i: int) -> Future[PhotonMaps]:
         """Queue the photon batches of pass ``i`` and, behind them, the sorting."""
-        walks = [
-            self._submit(trace_batch, prepared, self.settings, i, batch) for batch in batches
-        ]
+        batches = source.batches
+        walks = [self._submit(source.walk, i, batch) for batch in batches]
 
         def sort() -> PhotonMaps:
             # The batches are before this task in the queue: no thread waits for itself.

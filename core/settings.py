@@ -8,7 +8,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 PixelFilter = Literal["BOX", "GAUSSIAN", "BLACKMAN_HARRIS"]
+StaleMaps = Literal["TRACE", "REBUILD", "REFUSE"]
 
+#: What the names of files with baked photon maps end with.
+MAPS_SUFFIX = ".pmap"
 
 #: A photon count that follows the size of the image.
 AUTOMATIC = -1
@@ -33,6 +36,8 @@ class Settings:
     ``exposure`` is a factor on the light of the film's layers.
     ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
     at a time) changes a bit of the result.
+    ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
+    fit the scene, ``stale_maps`` says to trace as usual, to bake them again, or to refuse.
     """
 
     passes: int = 64
@@ -54,6 +59,8 @@ class Settings:
     exposure: float = 1.0
     region: tuple[int, int, int, int] | None = None
     chunk_size: int = 8192
+    photon_maps: str = ""
+    stale_maps: StaleMaps = "TRACE"
 
     def __post_init__(self) -> None:
         for name, (low, high) in _RANGES.items():
@@ -65,6 +72,12 @@ class Settings:
                 f"pixel_filter is {self.pixel_filter!r}, it must be BOX, GAUSSIAN or "
                 "BLACKMAN_HARRIS"
             )
+        if self.stale_maps not in ("TRACE", "REBUILD", "REFUSE"):
+            raise SettingsError(
+                f"stale_maps is {self.stale_maps!r}, it must be TRACE, REBUILD or REFUSE"
+            )
+        if self.photon_maps and not self.photon_maps.lower().endswith(MAPS_SUFFIX):
+            raise SettingsError(f"photon_maps is {self.photon_maps!r}, no {MAPS_SUFFIX} file")
         if self.region is not None:
             x0, y0, x1, y1 = self.region
             if not (0 <= x0 < x1 and 0 <= y0 < y1):

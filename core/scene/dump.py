@@ -11,7 +11,7 @@ import os
 import zipfile
 import zlib
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 import numpy as np
@@ -46,7 +46,8 @@ def save_scene(path: str | os.PathLike[str], scene: Scene, settings: Settings) -
         "version": FORMAT_VERSION,
         "name": scene.name,
         **{key: getattr(scene, key) for key in _NAMES},
-        "settings": asdict(settings),
+        # Files of one machine are nothing to another.
+        "settings": asdict(replace(settings, photon_maps="")),
     }
     # Any: newer NumPy has a keyword of its own among the arrays' names.
     arrays: dict[str, Any] = {key: getattr(scene, key) for key in _ARRAYS}
@@ -113,6 +114,7 @@ def _read_scene(archive: Mapping[str, NDArray], header: dict[str, Any]) -> Scene
 
 def _read_settings(stored: dict[str, Any]) -> Settings:
     region = stored.pop("region")
+    stored.pop("photon_maps", None)
     return Settings(**stored, region=None if region is None else tuple(region))
 
 

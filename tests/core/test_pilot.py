@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from photon_map.core.camera_pass.chunk import Region
-from photon_map.core.photon_pass import photon_batches, pilot_radii
+from photon_map.core.photon_pass import TracedPhotons, photon_batches, pilot_radii
 from photon_map.core.plan import Plan
 from photon_map.core.prepared import prepare
 from photon_map.core.settings import Settings
@@ -30,7 +30,9 @@ def test_without_photons_the_pilot_traces_no_ray(photons: int) -> None:
     region = Region.of(scene.camera, settings)
     if photons:
         with pytest.raises(AssertionError, match="a ray was traced"):
-            pilot_radii(blind, settings, region, batches)
-        assert pilot_radii(prepared, settings, region, batches).global_ > 0.0
+            pilot_radii(blind, settings, region, TracedPhotons(blind, settings, batches))
+        seen = TracedPhotons(prepared, settings, batches)
+        assert pilot_radii(prepared, settings, region, seen).global_ > 0.0
     else:
-        assert pilot_radii(blind, settings, region, batches).global_ == 0.0
+        none = TracedPhotons(blind, settings, batches)
+        assert pilot_radii(blind, settings, region, none).global_ == 0.0

@@ -1,0 +1,93 @@
+"""What baked photon maps save over a camera's flight, and what they do to the flicker.
+
+    python benchmarks/baked_maps.py
+
+Renders 24 frames of a sliding orthographic camera over the glass box's floor, each frame one
+pixel farther, so that every place of the floor is seen at a pixel's middle in every frame:
+once with photons traced for each frame (a seed each, as for an animation) and once with one
+bake for all. Prints the numbers of docs/baking.md.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from photon_map.core import Scene, Settings, bake, render
+from photon_map.tests.scenes import cornell_glass, look_at
+
+FRAMES = 24
+SIZE = 96
+#: Width of the picture [m]: what the frames share is seen in all of them.
+WIDTH = 1.2
+SETTINGS = Settings(passes=8, pixel_filter="BOX", filter_width=1.0)
+
+
+def frame_scene(scene: Scene, frame: int) -> Scene:
+    """The floor from above, a pixel farther each frame."""
+    step = WIDTH / SIZE
+    eye = (-0.15 + frame * step, 0.0, 0.9)
+    camera = replace(
+        scene.camera, kind="ORTHOGRAPHIC", ortho_scale=WIDTH, width=SIZE, height=SIZE,
+        matrix=look_at(eye, (eye[0], 0.0, -1.0), up=(0, 1, 0)),
+    )  # type: ignore[type-var]  # fmt: skip
+    return replace(scene, camera=camera)
+
+
+def flight(scene: Scene, settings: list[Settings]) -> tuple[np.ndarray, float, int]:
+    """Caustic layers (frames, places) of the bare floor, place by place; seconds; rays.
+
+    Balls are left out: the camera's own choice at glass, reflected or refracted, is noise too.
+    """
+    begin = time.perf_counter()
+    layers, bare, rays = [], [], 0
+    for frame, chosen in enumerate(settings):
+        *_, last = render(frame_scene(scene, frame), chosen)
+        layer = last.film.resolve("caustics").mean(axis=2)
+        shared = slice(FRAMES - frame, SIZE - frame)
+        layers.append(layer[:, shared])
+        bare.append(abs(last.film.resolve("depth")[:, shared, 0] - 1.9) < 1e-3)
+        rays += last.film.statistics.rays
+    seconds = time.perf_counter() - begin
+    return np.stack(layers)[:, np.all(bare, axis=0)], seconds, rays
+
+
+def flicker(layers: np.ndarray) -> float:
+    """Root mean square over places of the deviation in time, over the layer's mean."""
+    return float(np.sqrt(layers.var(axis=0, ddof=1).mean()) / layers.mean())
+
+
+def main() -> None:
+    scene = cornell_glass(SIZE, smooth=True, subdivisions=3)
+    *_, _ = render(frame_scene(scene, 0), replace(SETTINGS, passes=1))
+    with tempfile.TemporaryDirectory() as folder:
+        for photons in (8192, 65536):
+            base = replace(SETTINGS, photons_caustic=photons, photons_global=photons)
+            layers, seconds, rays = flight(
+                scene, [replace(base, seed=frame) for frame in range(FRAMES)]
+            )
+            print(
+                f"{photons} photons a kind, traced: {seconds:.1f} s, {rays / 1e6:.1f} Mrays, "
+                f"flicker {100 * flicker(layers):.1f} %"
+            )
+            path = Path(folder) / "box.pmap"
+            begin = time.perf_counter()
+            bake(scene, base, path, SETTINGS.passes)
+            baking = time.perf_counter() - begin
+            chosen = replace(base, photon_maps=str(path), stale_maps="REFUSE")
+            layers, seconds, rays = flight(
+                scene, [replace(chosen, seed=frame) for frame in range(FRAMES)]
+            )
+            print(
+                f"{photons} photons a kind, baked: {baking:.1f} + {seconds:.1f} s, "
+                f"{rays / 1e6:.1f} Mrays, {path.stat().st_size / 1e6:.1f} MB, "
+                f"flicker {100 * flicker(layers):.1f} %"
+            )
+
+
+if __name__ == "__main__":
+    main()

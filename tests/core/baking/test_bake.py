@@ -1,0 +1,151 @@
+"""Baked maps: the same picture as traced photons, and what else they must not be taken for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from photon_map.core import Settings, bake, render
+from photon_map.core.baking import bake as baking
+from photon_map.core.baking.fingerprint import changes, fingerprint
+from photon_map.core.baking.maps_file import BakeError, MapsFile
+from photon_map.core.film.film import Film
+from photon_map.core.sampling.rng import REPLICATES
+from photon_map.core.scene.scene import Scene
+from tests.scenes import cornell_glass, look_at
+
+SETTINGS = Settings(passes=4, photons_global=2000, photons_caustic=2000, threads=2)
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return cornell_glass(12, smooth=True)
+
+
+@pytest.fixture(scope="module")
+def maps(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("maps") / "box.pmap"
+    done: list[int] = []
+    header = bake(scene, SETTINGS, path, 3, done.append)
+    assert (header.passes, done) == (4, [1, 2, 3, 4])
+    return path
+
+
+def last_of(scene: Scene, settings: Settings):
+    return list(render(scene, settings))[-1]
+
+
+def stage_of(update) -> tuple[bool, str]:
+    return next((s.on, s.reason) for s in update.plan.stages if s.name == "photon maps")
+
+
+def test_a_baked_render_has_the_bits_of_a_traced_one(scene: Scene, maps: Path):
+    traced = last_of(scene, SETTINGS)
+    baked = last_of(scene, replace(SETTINGS, photon_maps=str(maps), stale_maps="REFUSE"))
+    for layer in Film.LAYERS:
+        assert (traced.film.resolve(layer) == baked.film.resolve(layer)).all(), layer
+    assert traced.film.resolve("caustics").max() > 0
+    assert baked.film.statistics.rays < traced.film.statistics.rays
+    assert stage_of(baked) == (True, "4 passes from 'box.pmap'")
+
+
+def test_no_photon_is_traced_with_a_bake(
+    scene: Scene, maps: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def trap(*arguments: object) -> None:
+        raise AssertionError("a photon was traced")
+
+    monkeypatch.setattr("photon_map.core.photon_pass.trace_photons", trap)
+    camera = replace(scene.camera, matrix=look_at((0.3, -2.4, 0.9), (0, 0, 1)))  # type: ignore[type-var]
+    moved = replace(scene, camera=camera)
+    settings = replace(SETTINGS, photon_maps=str(maps), stale_maps="REFUSE")
+    assert last_of(moved, settings).film.resolve("caustics").max() > 0
+    with pytest.raises(AssertionError, match="traced"):
+        last_of(moved, SETTINGS)
+
+
+def test_passes_beyond_the_baked_ones_meet_their_own_replicate(scene: Scene, maps: Path):
+    source = baking.BakedPhotons(MapsFile(maps), baking.Plan.of(scene, SETTINGS))
+    again = [source.pass_of(i) for i in range(11)]
+    assert again == [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2]
+    assert all(k % REPLICATES == i % REPLICATES for i, k in enumerate(again))
+    assert [baking.whole_passes(n) for n in (0, 1, 4, 5, 64)] == [4, 4, 4, 8, 64]
+
+
+def _more(table: np.ndarray, name: str) -> np.ndarray:
+    other = table.copy()
+    other[name] *= 0.5
+    return other
+
+
+def _moved(scene: Scene) -> np.ndarray:
+    vertices = scene.vertices.copy()
+    vertices[scene.faces[-1, 0], 2] += 1e-3
+    return vertices
+
+
+def test_what_has_changed_is_named(scene: Scene):
+    before = fingerprint(scene, SETTINGS)
+    assert changes(before, fingerprint(scene, replace(SETTINGS, seed=5, passes=9))) == []
+    other = replace(scene.camera, lens=80.0)  # type: ignore[type-var]
+    assert changes(before, fingerprint(replace(scene, camera=other), SETTINGS)) == []
+    white = list(scene.material_names)[0]
+    found = changes(
+        before, fingerprint(replace(scene, lobes=_more(scene.lobes, "weight")), SETTINGS)
+    )
+    assert f"material '{white}' has changed" in found
+    last = scene.object_names[scene.face_object[-1]]
+    found = changes(before, fingerprint(replace(scene, vertices=_moved(scene)), SETTINGS))
+    assert found == [f"object '{last}' has changed"]
+    dimmed = replace(scene, lights=_more(scene.lights, "emission"))
+    found = changes(before, fingerprint(dimmed, SETTINGS))
+    assert found == [f"lamp '{name}' has changed" for name in scene.light_names]
+    assert found or not len(scene.lights)
+    found = changes(before, fingerprint(replace(scene, world=scene.world + 0.1), SETTINGS))
+    assert found == ["the world has changed"]
+    found = changes(before, fingerprint(scene, replace(SETTINGS, photon_depth=3)))
+    assert found == ["the photons' depth has changed"]
+    renamed = replace(scene, material_names=("paint", *scene.material_names[1:]))
+    found = changes(before, fingerprint(renamed, SETTINGS))
+    assert found == ["material 'paint' is new", f"material '{white}' is gone"]
+
+
+def test_stale_maps_are_refused_traced_or_baked_again(scene: Scene, maps: Path, tmp_path: Path):
+    path = tmp_path / "mine.pmap"
+    path.write_bytes(maps.read_bytes())
+    other = replace(scene, world=scene.world + 0.25)
+    settings = replace(SETTINGS, photon_maps=str(path))
+    with pytest.raises(BakeError, match="the world has changed; bake them again"):
+        last_of(other, replace(settings, stale_maps="REFUSE"))
+    update = last_of(other, settings)
+    on, reason = stage_of(update)
+    assert not on and "the world has changed" in reason
+    assert any("traced instead" in warning for warning in update.plan.warnings)
+    traced = last_of(other, SETTINGS).film.resolve("combined")
+    assert (update.film.resolve("combined") == traced).all()
+    assert path.read_bytes() == maps.read_bytes()
+    update = last_of(other, replace(settings, stale_maps="REBUILD"))
+    assert stage_of(update)[0]
+    assert any("baked again" in warning for warning in update.plan.warnings)
+    assert (update.film.resolve("combined") == traced).all()
+    assert not [w for w in last_of(other, settings).plan.warnings if "baked" in w]
+
+
+def test_other_photon_counts_do_not_fit(scene: Scene, maps: Path):
+    settings = replace(SETTINGS, photon_maps=str(maps), stale_maps="REFUSE")
+    with pytest.raises(BakeError, match="photons_global was 2000"):
+        last_of(scene, replace(settings, photons_global=2001))
+    automatic = replace(settings, photons_global=-1, photons_caustic=-1)
+    assert last_of(scene, automatic).film.statistics.photons_emitted == 4 * 4000
+
+
+def test_missing_maps_are_baked_when_they_may_be(scene: Scene, tmp_path: Path):
+    settings = replace(SETTINGS, photon_maps=str(tmp_path / "new.pmap"))
+    with pytest.raises(BakeError, match="there are no photon maps"):
+        last_of(scene, replace(settings, stale_maps="REFUSE"))
+    assert not stage_of(last_of(scene, settings))[0]
+    assert stage_of(last_of(scene, replace(settings, stale_maps="REBUILD")))[0]
+    assert MapsFile(tmp_path / "new.pmap").header.passes == 4
