@@ -35,7 +35,7 @@ from .core.settings import Settings
 from .core.version import ENGINE, VERSION
 from .curve_file import curve_title, write_curve_plot, write_curve_table
 from .image_file import Frame, write_exr
-from .photon_commands import MapsUse, bake, maps_settings
+from .photon_commands import MapsUse, bake, maps_settings, photons
 from .progress import ProgressDisplay, describe
 from .source import CommandError, Loaded, Source
 
@@ -168,6 +168,7 @@ def plan(file: FileArgument, frame: FrameOption = None) -> None:
 
 
 app.command()(bake)
+app.command()(photons)
 
 
 def main() -> None:

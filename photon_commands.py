@@ -1,4 +1,4 @@
-"""The commands about photons: ``bake`` keeps their maps in a file beside the scene's."""
+"""The commands about photons: ``bake`` keeps their maps, ``photons`` shows where they are."""
 
 from __future__ import annotations
 
@@ -18,7 +18,12 @@ from .arguments import (
     source_of,
     warn,
 )
+from .core.file_replace import replacing
 from .core.settings import MAPS_SUFFIX
+from .source import CommandError
+
+#: Lines of a legend.
+_NAMED = 12
 
 
 class MapsUse(StrEnum):
@@ -41,6 +46,64 @@ def maps_settings(file: Path, use: MapsUse) -> dict[str, Any]:
     if use is MapsUse.IGNORE or not path.is_file():
         return {}
     return {"photon_maps": str(path.resolve()), "stale_maps": use.name}
+
+
+class Colour(StrEnum):
+    """What the points of photons are coloured by."""
+
+    POWER = "power"
+    BOUNCE = "bounce"
+    CASTER = "caster"
+    LIGHT = "light"
+
+
+class Kind(StrEnum):
+    """Which photons are shown."""
+
+    ALL = "all"
+    CAUSTIC = "caustic"
+    GLOBAL = "global"
+
+
+def photons(
+    file: FileArgument,
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="OUT.ply|OUT.png")],
+    color: Annotated[Colour, typer.Option(help="What the colours tell.")] = Colour.POWER,
+    kind: Annotated[Kind, typer.Option(help="Which photons.")] = Kind.ALL,
+    count: Annotated[int | None, typer.Option(help="Photons to emit of each kind.")] = None,
+    frame: FrameOption = None,
+    size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Number of the random streams.")] = None,
+) -> None:
+    """Show where the photons of FILE land: a cloud of points, or a picture of them."""
+    overrides = {"seed": seed, "photons_caustic": count, "photons_global": count}
+    with reported_errors():
+        source = source_of(file, frame, size, overrides)
+        if output.suffix.lower() not in (".ply", ".png"):
+            raise CommandError(f"'{output}': photons are written to a .ply or a .png")
+        check_writable(output, file)
+        loaded = source.load()
+        from .core.photon_view import picture_places, view_photons
+        from .photon_picture import colours, legend, picture, write_ply
+
+        view = view_photons(loaded.scene, loaded.settings)
+        if kind is not Kind.ALL:
+            view = view.only(view.caustic == (kind is Kind.CAUSTIC))
+        with replacing(output) as part:
+            if output.suffix.lower() == ".ply":
+                write_ply(part, view, color)
+            else:
+                from PIL import Image
+
+                rows, pixels = picture_places(loaded.scene, loaded.settings, view)
+                camera = loaded.scene.camera
+                assert camera is not None  # view_photons has looked
+                seen = colours(view, color)[rows]
+                Image.fromarray(picture(seen, pixels, camera.width, camera.height)).save(part)
+    warn(*loaded.warnings)
+    for name, number in legend(view, color)[:_NAMED]:
+        typer.echo(f"{number:9d}  {name}")
+    typer.echo(f"{len(view.position)} photons: wrote {output}")
 
 
 def bake(

@@ -65,7 +65,7 @@ def main() -> None:
     scene = cornell_glass(SIZE, smooth=True, subdivisions=3)
     *_, _ = render(frame_scene(scene, 0), replace(SETTINGS, passes=1))
     with tempfile.TemporaryDirectory() as folder:
-        for photons in (8192, 65536):
+        for photons in (8192, 131072):
             base = replace(SETTINGS, photons_caustic=photons, photons_global=photons)
             layers, seconds, rays = flight(
                 scene, [replace(base, seed=frame) for frame in range(FRAMES)]

@@ -204,6 +204,7 @@ def test_the_python_of_the_readme_runs(tmp_path: Path):
 
 def test_the_readme_names_every_option_and_no_other(tmp_path: Path):
     named = set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", README.read_text("utf-8")))
-    help_texts = [run(tmp_path, name, "--help").stdout for name in ("render", "bake", "plan")]
-    known = set(re.findall(r"--[a-z][a-z-]+", "".join(help_texts)))
+    commands = ("render", "bake", "photons", "plan")
+    texts = [run(tmp_path, name, "--help").stdout for name in commands]
+    known = set(re.findall(r"--[a-z][a-z-]+", "".join(texts)))
     assert named == known - {"--help", "--output"}
