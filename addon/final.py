@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import sys
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from .export.scene import ExportCancelledError, export_scene
 from .export.settings import export_settings
 from .insight import remember
 from .job import CURRENT
 from .kernel_cache import use_extension_folder
-from .passes import active_passes, pass_name
+from .mattes import matte_stamps
+from .passes import active_passes, first_hit_layers, matte_ranks, pass_name
 from .report import ExportError, ExportLog
 
 if TYPE_CHECKING:
@@ -40,7 +43,14 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     except ExportCancelledError:
         write_nothing(engine, view_layer)
         return
-    settings = export_settings(depsgraph.scene_eval, job.overrides if job else {})
+    settings = export_settings(
+        depsgraph.scene_eval,
+        {
+            "first_hit": first_hit_layers(view_layer),
+            "matte_ranks": matte_ranks(view_layer),
+            **(job.overrides if job else {}),
+        },
+    )
     if job is not None:
         job.exported(layer, scene, settings, log.messages)
         if job.export_only:
@@ -57,6 +67,7 @@ def render_final(engine: Any, depsgraph: Any) -> None:
         write_nothing(engine, view_layer)
         return
     write_film(engine, last.film, view_layer)
+    write_stamps(engine, {**matte_stamps(view_layer, scene), **render_stamps(layer, last)})
     if not engine.is_preview:
         remember(depsgraph.scene, last.plan, log.messages, result_line(last))
     bad = last.film.statistics.non_finite
@@ -124,6 +135,13 @@ def _pull(
     return last
 
 
+def write_stamps(engine: Any, stamps: Mapping[str, str]) -> None:
+    """Write metadata of the file, which belong to the whole result and not to its parts."""
+    result = engine.get_result()
+    for key, text in stamps.items():
+        result.stamp_data_add_field(key, text)
+
+
 def write_film(engine: Any, film: Film, view_layer: Any) -> None:
     """Copy the film into the render result; the film's first row is Blender's, the lowest."""
     result = engine.begin_result(0, 0, film.width, film.height, layer=view_layer.name)
@@ -131,11 +149,15 @@ def write_film(engine: Any, film: Film, view_layer: Any) -> None:
         if not result.layers:  # the layer was disabled meanwhile
             return
         passes = result.layers[0].passes
+        resolved: dict[str, NDArray[np.float32]] = {}
         for entry in active_passes(view_layer):
             target = passes.get(pass_name(entry))
             if target is None:
                 continue
-            pixels = np.ascontiguousarray(film.resolve(entry.layer), dtype=np.float32)
+            if entry.layer not in resolved:
+                resolved[entry.layer] = film.resolve(entry.layer)
+            part = resolved[entry.layer][..., entry.first : entry.first + len(entry.channels)]
+            pixels = np.ascontiguousarray(part, dtype=np.float32)
             target.rect.foreach_set(pixels.ravel())
     finally:
         engine.end_result(result)
@@ -153,6 +175,32 @@ def result_line(update: Update) -> str:
         parts.append(f"relative error {100 * update.relative_error:.2f} %")
     parts.append(f"{update.film.statistics.rays / 1e6:.1f} million rays")
     return ", ".join(parts)
+
+
+def render_stamps(layer: str, update: Update) -> dict[str, str]:
+    """Metadata of the file: how the picture came about, and how wrong it says it is."""
+    statistics = update.film.statistics
+    stamps = {
+        "passes": str(update.passes),
+        "seconds": f"{update.seconds:.2f}",
+        "rays": str(statistics.rays),
+        "photons": str(statistics.photons_emitted),
+        "film_megabytes": f"{update.film.nbytes / 2**20:.1f}",
+        "peak_megabytes": f"{peak_memory() / 2**20:.0f}",
+    }
+    if update.passes >= 2 and update.relative_error < float("inf"):
+        stamps["relative_error"] = f"{update.relative_error:.6f}"
+    return {f"photon_map.{layer}.{key}": text for key, text in stamps.items()}
+
+
+def peak_memory() -> int:
+    """Most memory that the whole process has had so far [bytes], 0 where nobody knows."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most if sys.platform == "darwin" else 1024 * most
 
 
 def stats_line(layer: str, update: Update, fraction: float) -> str:

@@ -1,4 +1,7 @@
-"""The one table that says which layer of the film is which pass in Blender."""
+"""The one table that says which layer of the film is which pass in Blender.
+
+There is no Vector pass, since motion is not modelled, and no Shadow Catcher.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,7 @@ class RenderPass(NamedTuple):
     channels: str  #: one letter per channel
     kind: str  #: Blender's socket type: COLOR, VECTOR or VALUE
     toggle: str  #: property of the view layer, "" = always on; "pm." = our own group
+    first: int = 0  #: channel of the layer that the pass begins with
 
 
 #: Blender's "direct" and "indirect" diffuse passes are light without the surface colour;
@@ -26,31 +30,76 @@ class RenderPass(NamedTuple):
 #: Combined.
 PASSES: tuple[RenderPass, ...] = (
     RenderPass("combined", "Combined", "Combined", "RGBA", "COLOR", ""),
-    RenderPass("depth", "Depth", "Depth", "Z", "VALUE", "use_pass_z"),
+    RenderPass("distance", "Depth", "Depth", "Z", "VALUE", "use_pass_z"),
+    RenderPass("mist", "Mist", "Mist", "Z", "VALUE", "use_pass_mist"),
+    RenderPass("position", "Position", "Position", "XYZ", "VECTOR", "use_pass_position"),
     RenderPass("normal", "Normal", "Normal", "XYZ", "VECTOR", "use_pass_normal"),
+    RenderPass("uv", "UV", "UV", "UVA", "VECTOR", "use_pass_uv"),
+    RenderPass(
+        "object_index", "Object Index", "IndexOB", "X", "VALUE", "use_pass_object_index"
+    ),
+    RenderPass(
+        "material_index", "Material Index", "IndexMA", "X", "VALUE", "use_pass_material_index"
+    ),
     RenderPass(
         "direct", "Diffuse Direct", "DiffDir", "RGB", "COLOR", "use_pass_diffuse_direct"
     ),
     RenderPass(
         "indirect", "Diffuse Indirect", "DiffInd", "RGB", "COLOR", "use_pass_diffuse_indirect"
     ),
-    RenderPass("emission", "Emission", "Emit", "RGB", "COLOR", "use_pass_emit"),
-    RenderPass("caustics", "Caustics", "Caustics", "RGB", "COLOR", "pm.use_pass_caustics"),
     RenderPass(
-        "albedo",
-        "Denoising Albedo",
-        "Denoising Albedo",
-        "RGB",
-        "COLOR",
-        "pm.use_pass_denoising_albedo",
+        "diffuse_color", "Diffuse Color", "DiffCol", "RGB", "COLOR", "use_pass_diffuse_color"
     ),
+    RenderPass(
+        "glossy_color", "Glossy Color", "GlossCol", "RGB", "COLOR", "use_pass_glossy_color"
+    ),
+    RenderPass(
+        "transmission_color", "Transmission Color", "TransCol", "RGB", "COLOR",
+        "use_pass_transmission_color",
+    ),
+    RenderPass("emission", "Emission", "Emit", "RGB", "COLOR", "use_pass_emit"),
+    RenderPass("environment", "Environment", "Env", "RGB", "COLOR", "use_pass_environment"),
+    RenderPass("caustics", "Caustics", "Caustics", "RGB", "COLOR", "pm.use_pass_caustics"),
     RenderPass("error", "Error", "Error", "X", "VALUE", "pm.use_pass_error"),
-)
+    RenderPass(
+        "end_albedo", "Denoising Albedo", "Denoising Albedo", "RGB", "COLOR",
+        "pm.use_pass_denoising",
+    ),
+    RenderPass(
+        "end_normal", "Denoising Normal", "Denoising Normal", "XYZ", "VECTOR",
+        "pm.use_pass_denoising",
+    ),
+    RenderPass(
+        "end_depth", "Denoising Depth", "Denoising Depth", "Z", "VALUE",
+        "pm.use_pass_denoising",
+    ),
+)  # fmt: skip
+
+#: Cryptomatte, ranked names by two in each pass: the first of them.
+MATTES: tuple[RenderPass, ...] = (
+    RenderPass(
+        "matte_object", "CryptoObject", "CryptoObject", "rgba", "COLOR",
+        "use_pass_cryptomatte_object",
+    ),
+    RenderPass(
+        "matte_material", "CryptoMaterial", "CryptoMaterial", "rgba", "COLOR",
+        "use_pass_cryptomatte_material",
+    ),
+    RenderPass(
+        "matte_asset", "CryptoAsset", "CryptoAsset", "rgba", "COLOR",
+        "use_pass_cryptomatte_asset",
+    ),
+)  # fmt: skip
 
 
 def pass_name(entry: RenderPass) -> str:
     """The name in the running Blender."""
     return entry.name if bpy.app.version >= (5, 0, 0) else entry.old_name
+
+
+def matte_ranks(view_layer: Any) -> int:
+    """Names kept per pixel: an even number, as two of them share a pass."""
+    return 2 * ((min(16, int(view_layer.pass_cryptomatte_depth)) + 1) // 2)
 
 
 def active_passes(view_layer: Any) -> Iterator[RenderPass]:
@@ -61,6 +110,19 @@ def active_passes(view_layer: Any) -> Iterator[RenderPass]:
             owner, toggle = view_layer.photon_map, toggle.removeprefix("pm.")
         if not toggle or getattr(owner, toggle):
             yield entry
+    for entry in MATTES:
+        if getattr(view_layer, entry.toggle):
+            for k in range(matte_ranks(view_layer) // 2):
+                name = f"{entry.name}{k:02d}"
+                yield entry._replace(name=name, old_name=name, first=4 * k)
+
+
+def first_hit_layers(view_layer: Any) -> tuple[str, ...]:
+    """Layers that the core renders only when they are asked for."""
+    from ..core import FIRST_HIT_LAYERS
+
+    asked = {entry.layer for entry in active_passes(view_layer)}
+    return tuple(layer for layer in FIRST_HIT_LAYERS if layer in asked)
 
 
 def register_passes(engine: Any, scene: Any, view_layer: Any) -> None:

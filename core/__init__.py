@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from .baking.bake import bake
     from .diagnosis import Finding, why_no_caustic
     from .film.film import Film
+    from .film.layers import FIRST_HIT_LAYERS
+    from .film.mattes import name_bits
+    from .kept import Kept
     from .plan import Plan
     from .renderer import render
     from .report import completed
@@ -23,9 +26,11 @@ if TYPE_CHECKING:
     from .update import Update
 
 _HOMES = {
+    "FIRST_HIT_LAYERS": ".film.layers",
     "CameraData": ".scene.camera_data",
     "Film": ".film.film",
     "Finding": ".diagnosis",
+    "Kept": ".kept",
     "Plan": ".plan",
     "Scene": ".scene.scene",
     "SceneBuilder": ".scene.builder",
@@ -35,14 +40,17 @@ _HOMES = {
     "Update": ".update",
     "bake": ".baking.bake",
     "completed": ".report",
+    "name_bits": ".film.mattes",
     "render": ".renderer",
     "why_no_caustic": ".diagnosis",
 }
 
 __all__ = [
+    "FIRST_HIT_LAYERS",
     "CameraData",
     "Film",
     "Finding",
+    "Kept",
     "Plan",
     "Scene",
     "SceneBuilder",
@@ -52,6 +60,7 @@ __all__ = [
     "Update",
     "bake",
     "completed",
+    "name_bits",
     "render",
     "why_no_caustic",
 ]

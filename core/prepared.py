@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .bsdf.resolve import MOST_LOBES
 from .camera.perspective import CameraTables, camera_tables
+from .camera_pass.first_hit_tables import FirstHitTables
 from .film.filters import filter_table
 from .geometry.intersector import Intersector
 from .geometry.media import STACK, enclosing_media
@@ -29,7 +30,7 @@ class Prepared(NamedTuple):
 
     ``light_media`` (N+2, 1 + STACK) i4 and ``camera_media`` (1 + STACK,): count and rows
     of the media that the light or the camera stands in. ``receivers`` (M,) bool: the
-    materials that photons are stored on.
+    materials that photons are stored on. ``first_hits``: None when no layer needs it.
     """
 
     mesh: Mesh
@@ -45,6 +46,7 @@ class Prepared(NamedTuple):
     shading: ShadingTables
     has_sieves: bool
     receivers: NDArray[np.bool_]
+    first_hits: FirstHitTables | None = None
 
     def lobe_room(self, surfaces: int) -> NDArray[np.void]:
         """The lobe table, with room behind it for those worked out at ``surfaces`` hits.
@@ -72,24 +74,12 @@ def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prep
     mesh = overlapped(mesh, scene.face_object, scene.materials["ior"] > 0)
     intersector = Intersector(mesh, stop)
     lights = light_set(scene, mesh, centre)
-    camera = camera_tables(
-        scene.camera, centre, filter_table(settings.pixel_filter, settings.filter_width)
-    )
     materials = scene.materials.copy()
-    any_media = bool((materials["ior"] > 0).any()) if len(materials) else False
-
-    def media_at(point: NDArray[np.float64]) -> NDArray[np.int32]:
-        row = np.zeros(1 + STACK, np.int32)
-        if any_media:
-            inside = enclosing_media(intersector, mesh, materials, point)
-            row[0] = len(inside)
-            row[1 : 1 + len(inside)] = inside
-        return row
-
     light_media = np.zeros((len(lights.power), 1 + STACK), np.int32)
     for entry in range(len(scene.lights)):
         if not lights.distant[entry]:
-            light_media[entry] = media_at(lights.place[entry])
+            light_media[entry] = _media_at(intersector, mesh, materials, lights.place[entry])
+    camera, camera_media = _seen_from(scene, settings, centre, intersector, mesh, materials)
     return Prepared(
         mesh=mesh,
         centre=centre,
@@ -98,13 +88,61 @@ def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prep
         lights=lights,
         light_media=light_media,
         camera=camera,
-        camera_media=media_at(camera.position),
+        camera_media=camera_media,
         aim=aim_at(scene, mesh, lights),
         intersector=intersector,
         shading=shading_tables(scene),
         has_sieves=_has_sieves(scene, mesh),
         receivers=receiver_materials(scene),
+        first_hits=FirstHitTables.of(scene, centre.origin) if settings.first_hit else None,
     )
+
+
+def with_camera(
+    prepared: Prepared, scene: Scene, settings: Settings, stop: Event | None = None
+) -> Prepared:
+    """``prepared``, of the same scene with another camera or other settings, for ``scene``."""
+    intersector = prepared.intersector.stopped_by(stop)
+    camera, camera_media = _seen_from(
+        scene, settings, prepared.centre, intersector, prepared.mesh, prepared.materials
+    )
+    first_hits = None
+    if settings.first_hit:
+        first_hits = FirstHitTables.of(scene, prepared.centre.origin)
+    return prepared._replace(
+        intersector=intersector, camera=camera, camera_media=camera_media, first_hits=first_hits
+    )
+
+
+def _seen_from(
+    scene: Scene,
+    settings: Settings,
+    centre: Centre,
+    intersector: Intersector,
+    mesh: Mesh,
+    materials: NDArray[np.void],
+) -> tuple[CameraTables, NDArray[np.int32]]:
+    """The camera's tables, and the media that it stands in."""
+    assert scene.camera is not None
+    camera = camera_tables(
+        scene.camera, centre, filter_table(settings.pixel_filter, settings.filter_width)
+    )
+    return camera, _media_at(intersector, mesh, materials, camera.position)
+
+
+def _media_at(
+    intersector: Intersector,
+    mesh: Mesh,
+    materials: NDArray[np.void],
+    point: NDArray[np.float64],
+) -> NDArray[np.int32]:
+    """Count and rows of the media around ``point``."""
+    row = np.zeros(1 + STACK, np.int32)
+    if len(materials) and bool((materials["ior"] > 0).any()):
+        inside = enclosing_media(intersector, mesh, materials, point)
+        row[0] = len(inside)
+        row[1 : 1 + len(inside)] = inside
+    return row
 
 
 def _has_sieves(scene: Scene, mesh: Mesh) -> bool:

@@ -16,10 +16,11 @@ from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
 from .film.film import Film
 from .film.stated_error import UNKNOWN
 from .jit import has_compiled, set_compiled
+from .kept import Kept
 from .photon_pass import PhotonSource, photon_maps, pilot_radii
 from .pilot import Radii
 from .plan import Plan
-from .prepared import Prepared, prepare
+from .prepared import Prepared
 from .scene.scene import Scene, SceneError
 from .settings import Settings
 from .update import Phase, Update
@@ -33,7 +34,7 @@ COMPILING = "Compiling the kernels: a minute or two, once after each installatio
 SILENCE = 0.1
 
 
-def render(scene: Scene, settings: Settings) -> Iterator[Update]:
+def render(scene: Scene, settings: Settings, kept: Kept | None = None) -> Iterator[Update]:
     """Render ``scene``: an update at least every 0.25 s, the last one with phase "done".
 
     Pulling no further (closing the iterator) is the cancel: work under way stops within a
@@ -47,18 +48,19 @@ def render(scene: Scene, settings: Settings) -> Iterator[Update]:
     region = Region.of(scene.camera, settings)
     if region.width * region.height == 0:
         raise SceneError(f"the border {settings.region} lies outside the image")
-    return _Render(scene, settings, region).updates()
+    return _Render(scene, settings, region, kept or Kept(0)).updates()
 
 
 class _Render:
     """The state of one render; lives as long as its iterator."""
 
-    def __init__(self, scene: Scene, settings: Settings, region: Region) -> None:
+    def __init__(self, scene: Scene, settings: Settings, region: Region, kept: Kept) -> None:
+        self.kept = kept
         self.scene = scene
         self.settings = settings
         self.region = region
         self.plan = Plan.of(scene, settings)
-        self.film = Film(region.width, region.height, settings.exposure)
+        self.film = self._film(region.width, region.height)
         self.pool = ThreadPoolExecutor(settings.thread_count, "photon_map")
         self.stop = threading.Event()
         self.begin = time.perf_counter()
@@ -69,13 +71,17 @@ class _Render:
         self.error = UNKNOWN
         self.error_passes = 0
 
+    def _film(self, width: int, height: int) -> Film:
+        settings = self.settings
+        return Film(width, height, settings.exposure, settings.first_hit, settings.matte_ranks)
+
     def updates(self) -> Iterator[Update]:
         """All phases."""
         pilot = "pilot pass" if has_compiled() else COMPILING
         try:
             yield self._update("setup", "building the scene")
             prepared = yield from self._watch(
-                self.pool.submit(prepare, self.scene, self.settings, self.stop),
+                self.pool.submit(self.kept.prepare, self.scene, self.settings, self.stop),
                 "building the scene",
             )
             pixels = self.region.width * self.region.height
@@ -85,6 +91,7 @@ class _Render:
                 ),
                 "photon maps" if self.settings.photon_maps else pilot,
             )
+            source = self.kept.photons(source, self.settings)
             radii = yield from self._watch(
                 self.pool.submit(pilot_radii, prepared, self.settings, self.region, source),
                 pilot,
@@ -137,9 +144,11 @@ class _Render:
         stride = max(1, total // 256)
         pixels = Pixels(0, total // stride, stride)
         chunk = trace_chunk(prepared, self.settings, self.region, 0, pixels, maps)
-        film = Film(pixels.count, 1)
+        film = self._film(pixels.count, 1)
         for i in range(2):
             film.add(i, 0, chunk.samples)
+            if chunk.first_hits is not None:
+                film.add_first_hits(i, 0, chunk.first_hits)
         film.stated_error()
 
     def _passes(
@@ -182,6 +191,8 @@ class _Render:
 
     def _add(self, i: int, chunk: Chunk) -> None:
         self.film.add(i, chunk.pixels.start, chunk.samples)
+        if chunk.first_hits is not None:
+            self.film.add_first_hits(i, chunk.pixels.start, chunk.first_hits)
         self.film.statistics.rays += chunk.rays
 
     def _count(self, maps: PhotonMaps) -> None:

@@ -7,6 +7,8 @@ import os
 from dataclasses import dataclass
 from typing import Literal
 
+from .film.layers import FIRST_HIT_LAYERS
+
 PixelFilter = Literal["BOX", "GAUSSIAN", "BLACKMAN_HARRIS"]
 StaleMaps = Literal["TRACE", "REBUILD", "REFUSE"]
 
@@ -33,7 +35,8 @@ class Settings:
     ``alpha``: how slowly the caustic discs shrink from pass to pass, 1 keeps them.
     ``min_throughput``: camera paths that carry less are ended. ``region`` is
     (x0, y0, x1, y1) in pixels, row 0 at the bottom, None for the whole image.
-    ``exposure`` is a factor on the light of the film's layers.
+    ``exposure`` is a factor on the light of the film's layers. ``first_hit``: layers of
+    ``film.first_hits.LAYERS`` to render beside the light; mattes keep ``matte_ranks`` names.
     ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
     at a time) changes a bit of the result.
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
@@ -61,6 +64,8 @@ class Settings:
     chunk_size: int = 8192
     photon_maps: str = ""
     stale_maps: StaleMaps = "TRACE"
+    first_hit: tuple[str, ...] = ()
+    matte_ranks: int = 6
 
     def __post_init__(self) -> None:
         for name, (low, high) in _RANGES.items():
@@ -78,6 +83,10 @@ class Settings:
             )
         if self.photon_maps and not self.photon_maps.lower().endswith(MAPS_SUFFIX):
             raise SettingsError(f"photon_maps is {self.photon_maps!r}, no {MAPS_SUFFIX} file")
+        unknown = [name for name in self.first_hit if name not in FIRST_HIT_LAYERS]
+        if unknown:
+            known = ", ".join(FIRST_HIT_LAYERS)
+            raise SettingsError(f"first_hit: no layer '{unknown[0]}'; there are {known}")
         if self.region is not None:
             x0, y0, x1, y1 = self.region
             if not (0 <= x0 < x1 and 0 <= y0 < y1):
@@ -114,4 +123,5 @@ _RANGES: dict[str, tuple[float, float]] = {
     "filter_width": (0.01, 100),
     "exposure": (0, 10),
     "chunk_size": (1, 10_000_000),
+    "matte_ranks": (1, 16),
 }

@@ -86,7 +86,17 @@ def _add_mesh(
         normals = None if normals is None else normals[seen]
         uvs = None if uvs is None else uvs[:, seen]
     warn_open_glass(obj.name, arrays.vertices, faces, materials.refracts(rows), log)
-    builder.add_mesh(obj.name, vertices, faces, rows, normals, uvs, seen_by)
+    builder.add_mesh(
+        obj.name, vertices, faces, rows, normals, uvs, seen_by,
+        asset=_root(obj).name, index=obj.pass_index,
+    )  # fmt: skip
+
+
+def _root(obj: Any) -> Any:
+    """The object at the top of those that ``obj`` is parented to."""
+    while obj.parent is not None:
+        obj = obj.parent
+    return obj
 
 
 class _MeshCache:

@@ -78,7 +78,9 @@ class MaterialTable:
         tree = tree_of(material)
         if tree is None:
             color = np.clip(np.array(material.diffuse_color[:3], dtype=np.float64), 0.0, 1.0)
-            return self.builder.add_material(material.name, [diffuse(color)])
+            return self.builder.add_material(
+                material.name, [diffuse(color)], index=material.pass_index
+            )
         return self._add_shaders(material, tree.get_output_node("CYCLES"))
 
     def _add_shaders(self, material: Any, output: Any | None) -> int:
@@ -86,7 +88,7 @@ class MaterialTable:
         name, owner = material.name, f"material '{material.name}'"
         if output is None:
             self.log.warn(f"{owner} has no output node; it is black")
-            return self.builder.add_material(name)
+            return self.builder.add_material(name, index=material.pass_index)
         displacement = output.inputs.get("Displacement")
         if displacement is not None and displacement.is_linked:
             self.log.warn(f"{owner}: displacement is not supported yet and ignored")
@@ -124,6 +126,7 @@ class MaterialTable:
             "ior": shading.ior,
             "absorption": inside,
             "priority": 0 if own is None else own.priority,
+            "index": material.pass_index,
         }
 
     def _normal(self, owner: str, shading: Shading) -> dict[str, Any]:

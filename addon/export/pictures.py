@@ -34,6 +34,10 @@ class PictureTable:
         """UV maps in use so far, in the order of the scene's sets; ``ACTIVE_UV`` for one."""
         return tuple(self._sets)
 
+    def show_active(self) -> int:
+        """Number of the UV map active for rendering, for a layer that shows it."""
+        return self._sets.setdefault(ACTIVE_UV, len(self._sets))
+
     def texture(
         self, reader: ValueReader, node: Placed, flip_green: bool = False
     ) -> tuple[int, NDArray[np.float64]]:

@@ -13,7 +13,7 @@ from .camera import export_camera
 from .instances import ExportCancelledError, add_objects
 from .materials import MaterialTable
 from .unsupported import warn_missing, warn_scene
-from .world import world_values
+from .world import mist_of, world_values
 
 __all__ = ["ExportCancelledError", "export_scene", "image_size"]
 
@@ -48,6 +48,8 @@ def export_scene(
     warn_missing(log)
     builder.set_world(**world_values(layer.world_override or scene.world, log))
     materials = MaterialTable(builder, log, layer.material_override)
+    shown_uv = materials.pictures.show_active() if layer.use_pass_uv else -1
+    builder.set_shown(shown_uv, mist_of(layer.world_override or scene.world))
     add_objects(builder, depsgraph, materials, log, stopped)
     if builder.dropped_faces:
         log.warn(f"{builder.dropped_faces} faces without an area are left out")

@@ -175,3 +175,15 @@ class _WorldFolder:
         else:
             linear, offset = turn @ np.diag(size), values["Location"]
         return Lookup(linear @ inner.linear, linear @ inner.offset + offset)
+
+
+#: Exponents of mist that grows with distance.
+_FALLOFF = {"LINEAR": 1.0, "QUADRATIC": 2.0, "INVERSE_QUADRATIC": 0.5}
+
+
+def mist_of(world: Any) -> tuple[float, float, float]:
+    """Start and depth of the mist [m] and the exponent of its growth."""
+    if world is None:
+        return 0.0, 100.0, 1.0
+    mist = world.mist_settings
+    return mist.start, max(1e-6, mist.depth), _FALLOFF.get(mist.falloff, 1.0)

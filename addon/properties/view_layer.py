@@ -20,9 +20,12 @@ class PhotonMapViewLayerProperties(bpy.types.PropertyGroup):
         default=True,
         update=_passes_changed,
     )
-    use_pass_denoising_albedo: BoolProperty(  # type: ignore[valid-type]
-        name="Denoising Albedo",
-        description="Colour of the first surface, for the Denoise node",
+    use_pass_denoising: BoolProperty(  # type: ignore[valid-type]
+        name="Denoising Data",
+        description=(
+            "Colour, normal and depth of what is seen through mirrors and clear glass, for the "
+            "Denoise node: three passes"
+        ),
         default=False,
         update=_passes_changed,
     )

@@ -6,8 +6,11 @@ from typing import Any
 
 import bpy
 
-from ..passes import PASSES
+from ..passes import MATTES, PASSES
 from .panel import PhotonMapPanel
+
+#: What one switch of several passes is called.
+_SHARED = {"pm.use_pass_denoising": "Denoising Data"}
 
 
 class PHOTONMAP_VIEWLAYER_PT_passes(PhotonMapPanel, bpy.types.Panel):
@@ -19,12 +22,33 @@ class PHOTONMAP_VIEWLAYER_PT_passes(PhotonMapPanel, bpy.types.Panel):
     def draw(self, context: Any) -> None:
         view_layer = context.view_layer
         column = self.column(heading="Include")
+        shown = set()
         for entry in PASSES:
-            if entry.toggle.startswith("pm."):
-                toggle = entry.toggle.removeprefix("pm.")
-                column.prop(view_layer.photon_map, toggle, text=entry.name)
-            elif entry.toggle:
-                column.prop(view_layer, entry.toggle, text=entry.name)
+            toggle, text = entry.toggle, _SHARED.get(entry.toggle, entry.name)
+            if not toggle or toggle in shown:
+                continue
+            shown.add(toggle)
+            owner = view_layer
+            if toggle.startswith("pm."):
+                owner, toggle = view_layer.photon_map, toggle.removeprefix("pm.")
+            column.prop(owner, toggle, text=text)
 
 
-PANELS = (PHOTONMAP_VIEWLAYER_PT_passes,)
+class PHOTONMAP_VIEWLAYER_PT_cryptomatte(PhotonMapPanel, bpy.types.Panel):
+    """Mattes by name."""
+
+    bl_label = "Cryptomatte"
+    bl_context = "view_layer"
+    bl_parent_id = "PHOTONMAP_VIEWLAYER_PT_passes"
+
+    def draw(self, context: Any) -> None:
+        view_layer = context.view_layer
+        column = self.column(heading="Include")
+        for entry in MATTES:
+            column.prop(view_layer, entry.toggle, text=entry.name.removeprefix("Crypto"))
+        levels = column.column()
+        levels.active = any(getattr(view_layer, entry.toggle) for entry in MATTES)
+        levels.prop(view_layer, "pass_cryptomatte_depth", text="Levels")
+
+
+PANELS = (PHOTONMAP_VIEWLAYER_PT_passes, PHOTONMAP_VIEWLAYER_PT_cryptomatte)

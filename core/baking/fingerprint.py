@@ -19,8 +19,8 @@ TRACING_VERSION = 1
 
 #: Objects that are told apart by name; those beyond share one digest.
 _MOST_OBJECTS = 4096
-#: Fields that say where a row's parts lie, not what they are.
-_PLACES = ("lobe_start", "closure_start")
+#: Fields that say where a row's parts lie or what a user calls it, not what it is.
+_PLACES = ("lobe_start", "closure_start", "index")
 
 
 def fingerprint(scene: Scene, settings: Settings) -> dict[str, str]:

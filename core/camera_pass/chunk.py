@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from ..bsdf.dispatch import NARROW
 from ..bsdf.hit import HIT
 from ..film.film import SAMPLE
+from ..film.first_hits import FIRST_HIT
+from ..film.layers import END_LAYERS
 from ..photons.coverage import BorderGrid
 from ..photons.photon_map import PhotonMap
 from ..prepared import Prepared
@@ -18,6 +20,7 @@ from ..scene.camera_data import CameraData
 from ..settings import Settings
 from .caustics import gather_caustics
 from .direct import add_direct, sample_direct
+from .first_hit import step_first_hits
 from .indirect import gather_indirect, start_gather
 from .paths import start_paths, step_paths
 from .records import PATH, VERTEX
@@ -68,11 +71,15 @@ class Pixels:
 
 
 class Chunk(NamedTuple):
-    """What a chunk brings: its pixels, one ``SAMPLE`` row each, rays traced."""
+    """What a chunk brings: its pixels, one ``SAMPLE`` row each, rays traced.
+
+    ``first_hits``: one ``FIRST_HIT`` row each, None when no layer asks for them.
+    """
 
     pixels: Pixels
     samples: NDArray[np.void]
     rays: int
+    first_hits: NDArray[np.void] | None = None
 
 
 class Rays:
@@ -121,13 +128,43 @@ def trace_chunk(
                 far.lobes, maps.global_, maps.borders, maps.global_radius, far.vertices,
                 len(far.vertices), samples,
             )  # fmt: skip
-    return Chunk(pixels, samples, rays.traced)
+    first_hits = None
+    if prepared.first_hits is not None:
+        first_hits, traced = trace_first_hits(prepared, settings, region, i, pixels)
+        rays.traced += traced
+    return Chunk(pixels, samples, rays.traced, first_hits)
 
 
 def wide_only(lit: Lit) -> Lit:
     """The vertices at which photons are gathered."""
     narrow = lit.vertices["part"] == NARROW
     return Lit(lit.vertices[~narrow], lit.lobes) if narrow.any() else lit
+
+
+def trace_first_hits(
+    prepared: Prepared, settings: Settings, region: Region, i: int, pixels: Pixels
+) -> tuple[NDArray[np.void], int]:
+    """What the camera paths of pass ``i`` meet at once: (``FIRST_HIT`` rows, rays)."""
+    rows = np.zeros(pixels.count, FIRST_HIT)
+    rays = Rays(prepared, pixels.count)
+    start_paths(
+        prepared.camera, prepared.camera_media, region.x0, region.y0, region.width,
+        region.image_width, settings.seed, i, pixels.start, pixels.stride, pixels.count,
+        rays.origins, rays.directions, rays.paths,
+    )  # fmt: skip
+    deep = any(layer in END_LAYERS for layer in settings.first_hit)
+    count = pixels.count
+    while count:
+        rays.traced += count
+        hits = prepared.intersector.nearest(rays.origins[:count], rays.directions[:count])
+        count = step_first_hits(
+            prepared.mesh, prepared.materials, rays.lobes, prepared.shading, prepared.lights,
+            prepared.camera, prepared.first_hits, i, settings.transparent, deep,
+            settings.camera_depth, settings.min_throughput, len(prepared.lobes), hits.face,
+            hits.u, hits.v, rays.hits, count, rays.origins, rays.directions, rays.paths, rows,
+        )  # fmt: skip
+    rows["seen_emission"] = rows["emission"]
+    return rows, rays.traced
 
 
 def trace_camera(

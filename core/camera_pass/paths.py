@@ -86,7 +86,7 @@ def start_paths(
 
 
 @kernel
-def _absorb(materials: Table, path: Row, way: float) -> None:
+def absorb(materials: Table, path: Row, way: float) -> None:
     """Beer-Lambert absorption on the ``way`` that the path has gone."""
     left = transmittance(materials, current_medium(materials, path), way)
     for c in range(3):
@@ -94,7 +94,7 @@ def _absorb(materials: Table, path: Row, way: float) -> None:
 
 
 @kernel
-def _go_straight(
+def go_straight(
     paths: Table, k: int, hit: Row, origins: Table, directions: Table, to: int
 ) -> None:
     """Path ``k`` goes on behind the surface as if nothing had happened, as number ``to``."""
@@ -106,7 +106,7 @@ def _go_straight(
 
 
 @kernel
-def _is_clipped(path: Row, hit: Row) -> bool:
+def is_clipped(path: Row, hit: Row) -> bool:
     """Whether a camera ray's hit lies farther than it may see."""
     return path.event == _CAMERA_BIT and path.since + hit.way > path.reach
 
@@ -149,7 +149,7 @@ def _light_here(vertex: Row, path: Row, hit: Row, part: int, share: float) -> No
 
 
 @kernel
-def _choices(path: Row, gather: bool, i: int, base: int) -> tuple[float, float]:
+def choices(path: Row, gather: bool, i: int, base: int) -> tuple[float, float]:
     """Numbers for stopping and for the event: stratified over passes on camera chains."""
     if gather:
         return uniform(path.key, base), uniform(path.key, base + STEP_EVENT)
@@ -157,7 +157,7 @@ def _choices(path: Row, gather: bool, i: int, base: int) -> tuple[float, float]:
 
 
 @kernel
-def _go_on(
+def go_on(
     materials: Table,
     lobes: Table,
     path: Row,
@@ -207,7 +207,7 @@ def _arrive(
     see_lamps(path, sample, materials, lights, gather, path.since + hit.way)
     path.length += hit.way
     path.since += hit.way
-    _absorb(materials, path, hit.way)
+    absorb(materials, path, hit.way)
     visible = (mesh.visible[hit.face] & path.event) != 0
     if goes_through(materials, path, hit, visible):
         return True
@@ -262,7 +262,7 @@ def step_paths(
         face = hit_face[k]
         if face >= 0:
             meet(hit, mesh, face, hit_u[k], hit_v[k], origins, k, path)
-        if face < 0 or _is_clipped(path, hit):
+        if face < 0 or is_clipped(path, hit):
             see_world(path, sample, materials, lights, gather, transparent)
             continue
         path.steps += 1
@@ -271,8 +271,8 @@ def step_paths(
             path, sample, hit, mesh, materials, lobes, shading, lights, gather, spare,
             uniform(path.key, base + STEP_PASS),
         ):  # fmt: skip
-            if path.steps < MOST_STEPS and _carries(path, min_throughput):
-                _go_straight(paths, k, hit, origins, directions, alive)
+            if path.steps < MOST_STEPS and carries(path, min_throughput):
+                go_straight(paths, k, hit, origins, directions, alive)
                 alive += 1
             continue
         if path.event == _CAMERA_BIT:
@@ -281,7 +281,7 @@ def step_paths(
         if wide + narrow <= 0.0:
             continue
         path.depth += 1
-        u_stop, u_event = _choices(path, gather, i, base)
+        u_stop, u_event = choices(path, gather, i, base)
         part, own = (WIDE, wide) if u_stop * (wide + narrow) >= narrow else (NARROW, narrow)
         share = (wide + narrow) / own
         if part == WIDE or (not gather and has_rough_narrow(path, lobes)):
@@ -293,8 +293,8 @@ def step_paths(
                 add(sample.albedo, path.beta, albedo_nonspecular(path, lobes), share)
         if part == WIDE or path.depth >= most_depth or path.steps >= MOST_STEPS:
             continue
-        wi = _go_on(materials, lobes, path, hit, u_event, base, share, gather)
-        if not _carries(path, min_throughput):
+        wi = go_on(materials, lobes, path, hit, u_event, base, share, gather)
+        if not carries(path, min_throughput):
             continue
         store(path.origin, leave(vector(hit.p), vector(hit.ng), wi, hit.offset))
         store(origins[alive], vector(path.origin))
@@ -306,6 +306,6 @@ def step_paths(
 
 
 @kernel
-def _carries(path: Row, least: float) -> bool:
+def carries(path: Row, least: float) -> bool:
     """Whether a path still carries enough; false for NaN."""
     return max(path.beta[0], path.beta[1], path.beta[2]) > least

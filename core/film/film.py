@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from ..sampling.rng import REPLICATES
 from .accumulate import add_samples, bias_square, relative_mean, variance_of_mean
+from .first_hits import FirstHits
+from .layers import FIRST_HIT_LAYERS, LIGHT_LAYERS
 from .stated_error import UNKNOWN, StatedError
 
-#: Layers whose sum is the picture.
-LIGHT_LAYERS = ("emission", "direct", "caustics", "indirect")
 #: Depth of a pixel that sees nothing [m].
 NOTHING_DEPTH = 1e10
 
@@ -54,6 +54,7 @@ class RenderStatistics:
 class Film:
     """The picture so far, ``height`` rows from the bottom, ``width`` pixels each.
 
+    ``LAYERS`` are always there, ``first_hits`` hold those that were asked for beside them.
     Memory: 21 float64 sums, 18 for the error and 5 counters: 332 bytes a pixel.
     """
 
@@ -69,7 +70,14 @@ class Film:
         "error": 1,
     }
 
-    def __init__(self, width: int, height: int, exposure: float = 1.0) -> None:
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        exposure: float = 1.0,
+        first_hit: tuple[str, ...] = (),
+        matte_ranks: int = 6,
+    ) -> None:
         self.width = width
         self.height = height
         self.exposure = exposure
@@ -80,12 +88,14 @@ class Film:
         self._part_sum = np.zeros((REPLICATES, count, 3))
         self._part_count = np.zeros((REPLICATES, count), np.int32)
         self._shrink = np.zeros((2, count, 3))
+        self.first_hits = FirstHits(count, first_hit, matte_ranks) if first_hit else None
 
     @property
     def nbytes(self) -> int:
         """Memory of the sums [bytes]."""
         parts = (self._sum, self._count, self._part_sum, self._part_count, self._shrink)
-        return sum(part.nbytes for part in parts)
+        own = sum(part.nbytes for part in parts)
+        return own + (self.first_hits.nbytes if self.first_hits else 0)
 
     @property
     def passes(self) -> int:
@@ -110,6 +120,11 @@ class Film:
             3 * len(LIGHT_LAYERS),
         )
 
+    def add_first_hits(self, i: int, start: int, rows: NDArray[np.void]) -> None:
+        """Add pass ``i``'s ``rows`` (n,) ``FIRST_HIT`` to the pixels from ``start`` on."""
+        assert self.first_hits is not None
+        self.first_hits.add(i, start, rows)
+
     def merge(self, other: Film) -> None:
         """Add the passes of ``other``, a film of the same size and other pass numbers."""
         if (other.width, other.height) != (self.width, self.height):
@@ -122,6 +137,8 @@ class Film:
         self._part_sum += other._part_sum
         self._part_count += other._part_count
         self._shrink += other._shrink
+        if self.first_hits is not None and other.first_hits is not None:
+            self.first_hits.merge(other.first_hits)
         for name, value in vars(other.statistics).items():
             setattr(self.statistics, name, getattr(self.statistics, name) + value)
 
@@ -132,6 +149,8 @@ class Film:
         metres along the camera's axis, ``NOTHING_DEPTH`` where nothing was hit; normals are
         world space; error is the expected distance of Combined from the truth, as light.
         """
+        if layer in FIRST_HIT_LAYERS:
+            return self._first_hit(layer)
         if layer not in self.LAYERS:
             raise ValueError(f"no layer '{layer}'; there are {', '.join(self.LAYERS)}")
         if layer == "error":
@@ -154,6 +173,15 @@ class Film:
                 out *= self.exposure
         shape = (self.height, self.width, self.LAYERS[layer])
         return np.ascontiguousarray(out.reshape(shape), dtype=np.float32)
+
+    def _first_hit(self, layer: str) -> NDArray[np.float32]:
+        if self.first_hits is None:
+            raise ValueError(f"layer '{layer}' was not rendered: ask for it in the settings")
+        plane = self.first_hits.resolve(layer)
+        if layer in ("seen_emission", "environment"):
+            plane = plane * self.exposure
+        shape = (self.height, self.width, plane.shape[1])
+        return np.ascontiguousarray(plane.reshape(shape), dtype=np.float32)
 
     def _error(self) -> NDArray[np.float32]:
         from scipy.ndimage import uniform_filter

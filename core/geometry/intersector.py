@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import CancelledError
+from copy import copy
 from importlib import metadata
 from threading import Event
 from typing import NamedTuple
@@ -53,6 +54,12 @@ class Intersector:
             # The scene commits inside the first query: it must not happen in two threads.
             probe = np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32)
             self._scene.run(*probe, query="INTERSECT", output=1)
+
+    def stopped_by(self, stop: Event | None) -> Intersector:
+        """The same tree of the same mesh, whose queries end by another ``stop``."""
+        other = copy(self)
+        other._stop = stop or Event()
+        return other
 
     def nearest(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> Hits:
         """First hit of each ray; origins and directions (N, 3) f4, any length."""

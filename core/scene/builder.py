@@ -51,12 +51,16 @@ class SceneBuilder(LightBuilder):
         self._face_object: list[NDArray[np.int32]] = []
         self._vertex_count = 0
         self._objects: list[str] = []
+        self._assets: list[str] = []
+        self._indices: list[int] = []
         self._visibility: list[int] = []
         self._materials: list[NDArray[np.void]] = []
         self._closures: list[np.void] = []
         self._material_names: list[str] = []
         self._lobes: list[tuple] = []
         super().__init__()
+        self._shown_uv: int = -1
+        self._mist: Sequence[float] = (0.0, 100.0, 1.0)
         self._camera: CameraData | None = None
 
     def add_material(
@@ -107,13 +111,16 @@ class SceneBuilder(LightBuilder):
         corner_normals: ArrayLike | None = None,
         uvs: ArrayLike | None = None,
         visibility: Visibility = Visibility.ALL,
+        asset: str = "",
+        index: int = 0,
     ) -> None:
         """Add one object's triangles.
 
         vertices (V, 3) world metres; faces (F, 3); material: a row or one per face;
         corner_normals: (F, 3, 3) unit, zeros where flat, None for an all-flat mesh;
         uvs: (K, F, 3, 2) sets of texture coordinates, or one set (F, 3, 2);
-        visibility: which rays see it.
+        visibility: which rays see it; asset: what it is a part of, itself by default;
+        index: a number of the user's.
         """
         points = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
         triangles = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
@@ -143,8 +150,14 @@ class SceneBuilder(LightBuilder):
         self._face_material.append(rows.astype(np.int32))
         self._face_object.append(np.full(len(triangles), len(self._objects), np.int32))
         self._objects.append(name)
+        self._assets.append(asset or name)
+        self._indices.append(index)
         self._visibility.append(int(visibility))
         self._vertex_count += len(points)
+
+    def set_shown(self, uv: int, mist: Sequence[float]) -> None:
+        """The set of coordinates and the mist (start, depth, exponent) of their layers."""
+        self._shown_uv, self._mist = uv, mist
 
     def set_camera(self, camera: CameraData) -> None:
         """The camera to render with."""
@@ -166,7 +179,11 @@ class SceneBuilder(LightBuilder):
             lobes=np.array(self._lobes, dtype=LOBE),
             camera=self._camera,
             object_visibility=np.array(self._visibility, dtype=np.int32),
+            object_index=np.array(self._indices, dtype=np.int32),
+            shown_uv=np.array([self._shown_uv], dtype=np.int32),
+            mist=np.array(self._mist, dtype=np.float64),
             object_names=tuple(self._objects),
+            object_assets=tuple(self._assets),
             material_names=tuple(self._material_names),
             **others,
         )

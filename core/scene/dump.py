@@ -23,9 +23,9 @@ from .camera_data import CameraData
 from .scene import Scene, SceneError
 
 FORMAT = "photon_map scene"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 
-_NAMES = ("object_names", "material_names", "light_names")
+_NAMES = ("object_names", "object_assets", "material_names", "light_names")
 _ARRAYS = tuple(f.name for f in fields(Scene) if f.name not in ("name", "camera", *_NAMES))
 
 #: What NumPy, zipfile and json raise on a file that is not what it says (OSError: a seek to a
@@ -113,9 +113,13 @@ def _read_scene(archive: Mapping[str, NDArray], header: dict[str, Any]) -> Scene
 
 
 def _read_settings(stored: dict[str, Any]) -> Settings:
-    region = stored.pop("region")
+    region, first_hit = stored.pop("region"), stored.pop("first_hit", ())
     stored.pop("photon_maps", None)
-    return Settings(**stored, region=None if region is None else tuple(region))
+    return Settings(
+        **stored,
+        region=None if region is None else tuple(region),
+        first_hit=tuple(map(_string, first_hit)),
+    )
 
 
 def _string(value: object) -> str:

@@ -52,6 +52,10 @@ class Scene:
     world_rotation  (3, 3) float64 takes a direction to that of the map
     world_visibility  (1,) int32 ``tables.Visibility`` bits of the surroundings
     luminance       (3,) float64 weights of the channels, summing to 1
+    object_index    (O,) int32 a number of the user's for each object
+    object_assets   the name of what each object is a part of, its own by default
+    shown_uv        (1,) int32 the set of ``uvs`` that the layer "uv" shows, -1 for none
+    mist            (3,) float64 where mist begins, how far it goes [m], and its exponent
 
     Raises ``SceneError`` at construction when a table contradicts another.
     """
@@ -85,7 +89,11 @@ class Scene:
     )
     object_visibility: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
     light_photons: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    object_index: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    shown_uv: NDArray[np.int32] = field(default_factory=lambda: np.array([-1], np.int32))
+    mist: NDArray[np.float64] = field(default_factory=lambda: np.array([0.0, 100.0, 1.0]))
     object_names: tuple[str, ...] = ()
+    object_assets: tuple[str, ...] = ()
     material_names: tuple[str, ...] = ()
     light_names: tuple[str, ...] = ()
 
@@ -95,6 +103,10 @@ class Scene:
         if len(self.object_visibility) == 0:
             seen = np.full(len(self.object_names), int(Visibility.ALL), np.int32)
             object.__setattr__(self, "object_visibility", seen)
+        if len(self.object_index) == 0:
+            object.__setattr__(self, "object_index", np.zeros(len(self.object_names), np.int32))
+        if not self.object_assets:
+            object.__setattr__(self, "object_assets", self.object_names)
         if len(self.light_photons) == 0:
             object.__setattr__(self, "light_photons", np.ones(len(self.lights)))
         check_scene(self)
@@ -122,6 +134,9 @@ def check_scene(scene: Scene) -> None:
         "world_visibility": ((1,), np.dtype("i4")),
         "luminance": ((3,), np.dtype("f8")),
         "object_visibility": ((len(scene.object_names),), np.dtype("i4")),
+        "object_index": ((len(scene.object_names),), np.dtype("i4")),
+        "shown_uv": ((1,), np.dtype("i4")),
+        "mist": ((3,), np.dtype("f8")),
         "closures": ((len(scene.closures),), CLOSURE),
         "textures": ((len(scene.textures),), TEXTURE),
         "images": ((len(scene.images),), IMAGE),
@@ -136,6 +151,12 @@ def check_scene(scene: Scene) -> None:
                 f"scene '{scene.name}': {name} is {array.dtype}{array.shape}, "
                 f"it must be {dtype}{shape}"
             )
+    if len(scene.object_assets) != len(scene.object_names):
+        raise SceneError(f"scene '{scene.name}': one asset per object is needed")
+    if not (np.isfinite(scene.mist).all() and (scene.mist[1:] > 0).all()):
+        raise SceneError(
+            f"scene '{scene.name}': depth and exponent of the mist must be above 0"
+        )
     limits = {
         "faces": len(scene.vertices),
         "face_material": len(scene.materials),

@@ -182,7 +182,7 @@ PARAM_NAMES = ("color", "roughness", "metallic", "transmission", "alpha", "emiss
 #: closures emit). ``ior`` is that of the medium behind the surface, 0 when there is none;
 #: ``absorption`` [1/m] inside it; of overlapping media the one with the larger
 #: ``priority`` counts. ``passes``: a ray may go straight through. ``normal_texture`` and
-#: ``bump_texture``: rows of the texture table, -1 without.
+#: ``bump_texture``: rows of the texture table, -1 without. ``index``: a number of the user's.
 MATERIAL = np.dtype(
     [
         ("lobe_start", "i4"),
@@ -194,6 +194,7 @@ MATERIAL = np.dtype(
         ("absorption", "f8", 3),
         ("priority", "i4"),
         ("passes", "i4"),
+        ("index", "i4"),
         ("normal_texture", "i4"),
         ("bump_texture", "i4"),
         ("normal_strength", "f8"),

@@ -29,7 +29,7 @@ class FakeFilm:
     def __init__(self, region: tuple[int, int, int, int], faces: int) -> None:
         x0, y0, x1, y1 = region
         self.width, self.height, self.passes, self.nbytes = x1 - x0, y1 - y0, 0, 1 << 20
-        self.statistics = SimpleNamespace(non_finite=0, rays=1_500_000)
+        self.statistics = SimpleNamespace(non_finite=0, rays=1_500_000, photons_emitted=1000)
         rows, columns = np.mgrid[y0:y1, x0:x1]
         direct = np.stack([columns, rows, np.full_like(rows, faces)], axis=2)
         self.layers = {
@@ -37,9 +37,11 @@ class FakeFilm:
             "emission": self.flat(0.25),
             "caustics": self.flat(0.5),
             "indirect": self.flat(0.125),
-            "depth": self.flat(7.0),
             "normal": self.flat(0.0, 0.6, 0.8),
-            "albedo": self.flat(0.1, 0.2, 0.3),
+            "distance": self.flat(7.0),
+            "end_albedo": self.flat(0.1, 0.2, 0.3),
+            "end_normal": self.flat(0.0, 0.0, -1.0),
+            "end_depth": self.flat(8.0),
             "error": self.flat(0.01),
             "combined": np.concatenate([direct + 0.875, self.flat(1.0)], axis=2),
         }

@@ -179,7 +179,7 @@ def read_exr(path: Any) -> dict[str, np.ndarray]:
     layers: dict[str, list[str]] = {}
     for name in channels:
         layers.setdefault(name.rpartition(".")[0], []).append(name)
-    order = "RGBAXYZW"
+    order = "UVRGBAXYZWrgba"
     return {
         layer: np.stack(
             [channels[n] for n in sorted(names, key=lambda n: order.index(n[-1]))], axis=2

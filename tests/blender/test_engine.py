@@ -27,7 +27,7 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
     layer = bpy.context.view_layer
     for toggle in ("z", "normal", "diffuse_direct", "diffuse_indirect", "emit"):
         setattr(layer, f"use_pass_{toggle}", True)
-    layer.photon_map.use_pass_denoising_albedo = True
+    layer.photon_map.use_pass_denoising = True
     layer.photon_map.use_pass_error = True
     save_exr(bpy, tmp_path / "a.exr")
     headless_render(bpy)
@@ -40,7 +40,16 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
     }
     assert set(image) == {
         f"ViewLayer.{name}"
-        for name in ("Combined", "Depth", "Normal", "Caustics", "Denoising Albedo", "Error")
+        for name in (
+            "Combined",
+            "Depth",
+            "Normal",
+            "Caustics",
+            "Denoising Albedo",
+            "Denoising Normal",
+            "Denoising Depth",
+            "Error",
+        )
     } | {f"ViewLayer.{name}" for name in names.values()}
     assert image["ViewLayer.Depth"].shape == (30, 40, 1)
     assert (image["ViewLayer.Depth"] == 7.0).all()

@@ -1,0 +1,20 @@
+"""Names of the film's layers and their channels."""
+
+from __future__ import annotations
+
+#: Layers whose sum is the picture.
+LIGHT_LAYERS = ("emission", "direct", "caustics", "indirect")
+
+#: Data of the surfaces that the camera sees at once, traced on demand (``first_hits``): of
+#: one path, ...
+SINGLE_LAYERS = {"position": 3, "distance": 1, "object_index": 1, "material_index": 1}
+#: ... averaged over the passes, ...
+MEAN_LAYERS = {
+    "mist": 1, "uv": 3, "diffuse_color": 3, "glossy_color": 3, "transmission_color": 3,
+    "seen_emission": 3, "environment": 3,
+}  # fmt: skip
+#: ... where the camera's path ends at a surface that is no mirror and no clear glass, ...
+END_LAYERS = {"end_normal": 3, "end_depth": 1, "end_albedo": 3}
+#: ... and which names share a pixel, by their hashes and coverages, two channels a name.
+MATTE_LAYERS = ("matte_object", "matte_material", "matte_asset")
+FIRST_HIT_LAYERS = (*SINGLE_LAYERS, *MEAN_LAYERS, *END_LAYERS, *MATTE_LAYERS)
