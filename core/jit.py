@@ -25,6 +25,8 @@ import numpy as np
 from llvmlite import binding
 from numpy.typing import NDArray
 
+from .kernel_dispatcher import KernelDispatcher
+
 #: Kernel arguments: a structured array or plain array, and one row or named tuple of them.
 #: NumPy's types cannot name the fields of a structured array.
 Table: TypeAlias = NDArray[Any]
@@ -109,13 +111,23 @@ def allocating_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _compiled(function: Callable[..., Any], **options: bool) -> Callable[..., Any]:
+    if numba.config.DISABLE_JIT:
+        return function
     # The folder is chosen at decoration; other users of Numba keep their own setting.
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder()
     try:
-        compiled: Callable[..., Any] = numba.njit(
-            cache=True, nogil=True, error_model="numpy", **options
-        )(function)
+        compiled = KernelDispatcher(
+            function,
+            targetoptions={
+                "nopython": True,
+                "nogil": True,
+                "error_model": "numpy",
+                "boundscheck": None,
+                **options,
+            },
+        )
+        compiled.enable_caching()
     finally:
         numba.config.CACHE_DIR = before
     return compiled

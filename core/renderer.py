@@ -28,7 +28,7 @@ from .update import Phase, Update
 _T = TypeVar("_T")
 
 #: What the first render with a version of the kernels says.
-COMPILING = "Compiling the kernels: a minute or two, once after each installation"
+COMPILING = "Compiling the kernels: half a minute or so, once after each installation"
 
 #: Longest silence between two updates [s].
 SILENCE = 0.1

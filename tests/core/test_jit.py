@@ -6,8 +6,11 @@ import subprocess
 import sys
 import textwrap
 
+import numpy as np
+from numba import njit
+
 from photon_map.core import jit
-from photon_map.core.jit import fingerprint
+from photon_map.core.jit import fingerprint, kernel
 
 
 def run(folder, cache):
@@ -68,3 +71,54 @@ def test_a_cache_that_cannot_be_written_stops_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(jit, "cache_folder", lambda: str(tmp_path / "missing"))
     jit.set_compiled()
     assert not jit.has_compiled()
+
+
+@kernel
+def _doubled(x):
+    return 2.0 * x
+
+
+@kernel
+def _two_of(vector, k):
+    return _doubled(vector[0]) + _doubled(vector[1]) + k
+
+
+@kernel
+def _larger(vector, k):
+    return max(_two_of(vector, k), 0.0)
+
+
+def test_one_version_of_a_callee_serves_constants_and_short_integers():
+    def calls(callee):
+        def both(short):
+            return callee((1.0, 2.0), 3) + callee((1.0, 2.0), short)
+
+        return both
+
+    assert kernel(calls(_two_of))(np.int32(4)) == 6 + 3 + 6 + 4
+    assert [str(kinds[1]) for kinds in _two_of.overloads] == ["int64"]
+
+
+def test_a_kernel_is_called_by_python_kernels_and_plain_numba_alike():
+    assert _two_of((1.0, 2.0), 1) == 7
+
+    @njit
+    def plain(v):
+        return _larger(v, 1)
+
+    assert plain((1.0, 2.0)) == 7
+    # What only kernels call has no machine code of its own.
+    assert not _doubled._wholes
+    assert _doubled(2.0) == 4
+
+
+def test_only_what_python_calls_is_written_to_the_cache(tmp_path):
+    sources, cache = tmp_path / "sources", tmp_path / "cache"
+    sources.mkdir()
+    head = "from photon_map.core.jit import kernel\n"
+    (sources / "callee.py").write_text(head + "@kernel\ndef f(x):\n    return 2.0 * x\n")
+    (sources / "caller.py").write_text(
+        head + "from callee import f\n@kernel\ndef twice(x):\n    return 2.0 * f(x)\n"
+    )
+    run(sources, cache)
+    assert [path.name.split(".")[1] for path in cache.rglob("*.nbc")] == ["twice-3"]
