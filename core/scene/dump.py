@@ -21,12 +21,18 @@ from ..file_replace import replacing
 from ..settings import Settings
 from .camera_data import CameraData
 from .scene import Scene, SceneError
+from .tables import CLOSURE, IMAGE, LIGHT, LOBE, MATERIAL, TEXTURE
 
 FORMAT = "photon_map scene"
 FORMAT_VERSION = 3
 
 _NAMES = ("object_names", "object_assets", "material_names", "light_names")
 _ARRAYS = tuple(f.name for f in fields(Scene) if f.name not in ("name", "camera", *_NAMES))
+
+_ROWS = {
+    "materials": MATERIAL, "lobes": LOBE, "lights": LIGHT, "closures": CLOSURE,
+    "textures": TEXTURE, "images": IMAGE,
+}  # fmt: skip
 
 #: What NumPy, zipfile and json raise on a file that is not what it says (OSError: a seek to a
 #: place before its start).
@@ -102,7 +108,7 @@ def _read_header(archive: Mapping[str, NDArray]) -> dict[str, Any]:
 
 def _read_scene(archive: Mapping[str, NDArray], header: dict[str, Any]) -> Scene:
     camera = header.get("camera")
-    tables: dict[str, Any] = {key: archive[key] for key in _ARRAYS}
+    tables: dict[str, Any] = {key: _aligned(archive[key], _ROWS.get(key)) for key in _ARRAYS}
     names: dict[str, Any] = {key: tuple(map(_string, header[key])) for key in _NAMES}
     return Scene(
         name=_string(header["name"]),
@@ -110,6 +116,14 @@ def _read_scene(archive: Mapping[str, NDArray], header: dict[str, Any]) -> Scene
         **tables,
         **names,
     )
+
+
+def _aligned(array: NDArray, row: np.dtype[np.void] | None) -> NDArray:
+    """``array`` as rows that kernels know to be aligned, which files do not tell.
+
+    For others each kernel would be compiled once more.
+    """
+    return array.view(row) if row is not None and array.dtype == row else array
 
 
 def _read_settings(stored: dict[str, Any]) -> Settings:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba import typeof
 
 from photon_map.core.scene import dump
 from photon_map.core.scene.builder import SceneBuilder, dielectric, diffuse
@@ -246,3 +247,13 @@ def test_a_damaged_byte_is_an_error_or_changes_nothing(
         path.write_bytes(whole[:length])
         with pytest.raises(SceneError):
             load_scene(path)
+
+
+def test_kernels_see_the_same_types_in_a_loaded_scene(tmp_path):
+    # Else each of them would be compiled once more for scenes from files.
+    scene = full_scene()
+    save_scene(tmp_path / "a.npz", scene, SETTINGS)
+    loaded, _ = load_scene(tmp_path / "a.npz")
+    for key, array in vars(scene).items():
+        if isinstance(array, np.ndarray):
+            assert typeof(getattr(loaded, key)) == typeof(array), key
