@@ -10,6 +10,7 @@ import bpy
 
 from . import insight, operators, properties, ui
 from .engine import PhotonMapEngine
+from .export import memory
 
 
 def register() -> None:
@@ -18,12 +19,14 @@ def register() -> None:
     operators.register()
     ui.register()
     insight.register()
+    memory.register()
     bpy.utils.register_class(PhotonMapEngine)
 
 
 def unregister() -> None:
     """Undo ``register`` in reverse order."""
     bpy.utils.unregister_class(PhotonMapEngine)
+    memory.unregister()
     insight.unregister()
     ui.unregister()
     operators.unregister()

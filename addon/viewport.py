@@ -1,7 +1,8 @@
 """The rendered viewport: a worker renders the view, drawing shows its newest picture.
 
-Blender's data is read in ``ViewportRender.update`` alone, on Blender's thread. Turning the
-view re-exports nothing: the scene is rendered again with another camera. A worker whose
+Blender's data is read in ``ViewportRender.update`` alone, on Blender's thread, and of that
+only what changed. Turning the view re-exports nothing: the scene is rendered again with
+another camera, by the photons and the mesh that are there. A worker whose
 picture nobody wants any more is told so and ends by itself; the next one waits for it.
 """
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..core.scene.scene import SceneError
 from ..core.settings import SettingsError
+from .export.memory import ExportMemory
 from .export.scene import export_scene
 from .export.settings import export_settings
 from .export.view import view_camera, view_key
@@ -25,7 +27,7 @@ from .kernel_cache import use_extension_folder
 from .report import ExportError, ExportLog
 
 if TYPE_CHECKING:
-    from ..core import CameraData, Scene, Settings, Update
+    from ..core import CameraData, Kept, Scene, Settings, Update
 
 #: The first picture has one pixel for so many by so many of the region's.
 COARSE = 4
@@ -38,11 +40,29 @@ class Picture(NamedTuple):
     line: str
 
 
+class KeptBox:
+    """What the renders of one viewport leave to each other; workers take turns."""
+
+    def __init__(self) -> None:
+        self._kept: Kept | None = None
+
+    def get(self) -> Kept:
+        """Made by the first worker: its import takes Numba."""
+        if self._kept is None:
+            from ..core import Kept
+
+            self._kept = Kept()
+        return self._kept
+
+
 class Worker(threading.Thread):
     """Renders one view until it is done or unwanted."""
 
-    def __init__(self, scene: Scene, settings: Settings, before: Worker | None) -> None:
+    def __init__(
+        self, scene: Scene, settings: Settings, before: Worker | None, kept: KeptBox
+    ) -> None:
         super().__init__(name="photon_map_viewport", daemon=True)
+        self._kept = kept
         self._scene, self._settings = scene, settings
         self._before = before
         self._unwanted = threading.Event()
@@ -78,7 +98,7 @@ class Worker(threading.Thread):
             return
         from ..core import render
 
-        updates: Any = render(scene, settings)
+        updates: Any = render(scene, settings, self._kept.get())
         shown = 0
         try:
             for update in updates:
@@ -112,6 +132,8 @@ class ViewportRender:
     """One viewport's scene, worker and drawn picture."""
 
     def __init__(self) -> None:
+        self._memory = ExportMemory()
+        self._kept = KeptBox()
         self._scene: Scene | None = None
         self._settings: Settings | None = None
         self._view: tuple[object, ...] = ()
@@ -128,7 +150,10 @@ class ViewportRender:
         try:
             scene = depsgraph.scene_eval
             camera = view_camera(context, scene)
-            self._scene = export_scene(depsgraph, None, ExportLog(), lambda: False, camera)
+            self._memory.forget_changes(depsgraph)
+            self._scene = export_scene(
+                depsgraph, None, ExportLog(), lambda: False, camera, self._memory
+            )
             self._settings = viewport_settings(scene)
             self._start(context, camera)
         except (ExportError, SceneError, SettingsError) as error:
@@ -177,7 +202,9 @@ class ViewportRender:
         if before is not None:
             before.cancel()
         self._view = view_key(context)
-        self._worker = Worker(replace(self._scene, camera=camera), self._settings, before)
+        self._worker = Worker(
+            replace(self._scene, camera=camera), self._settings, before, self._kept
+        )
         self._worker.start()
 
 

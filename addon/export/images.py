@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ...core.scene.image_tables import ImageTables
 from ...core.scene.tables import ImageKind
 from ..report import ExportLog
+from .memory import ExportMemory
 
 #: What stands for an image that is not there, as in Cycles.
 MISSING = (1.0, 0.0, 1.0, 1.0)
@@ -53,7 +54,10 @@ class StoredImage:
 class ImageTable:
     """Gives each image its row in ``pictures``, and converts it when first asked for."""
 
-    def __init__(self, pictures: ImageTables, log: ExportLog) -> None:
+    def __init__(
+        self, pictures: ImageTables, log: ExportLog, memory: ExportMemory | None = None
+    ) -> None:
+        self.memory = memory
         self.pictures = pictures
         self.log = log
         self._stored: dict[tuple[int | None, bool], StoredImage] = {}
@@ -81,8 +85,16 @@ class ImageTable:
             self._convert(key, image, owner)
         return self._stored[key]
 
+    def _read(self, image: Any) -> NDArray[np.float32]:
+        pixels = self.memory.pixels(image) if self.memory is not None else None
+        if pixels is None:
+            pixels = read_pixels(image)
+            if self.memory is not None:
+                self.memory.keep_pixels(image, pixels)
+        return pixels
+
     def _convert(self, key: tuple[int | None, bool], image: Any, owner: str) -> StoredImage:
-        pixels = read_pixels(image)
+        pixels = self._read(image)
         data = bool(image.colorspace_settings.is_data)
         associated = not data and image.alpha_mode not in ("NONE", "CHANNEL_PACKED")
         # Blender makes premultiplied bytes of a file straight when it loads them; Cycles

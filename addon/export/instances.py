@@ -13,6 +13,7 @@ from ...core.scene.tables import Visibility
 from ..report import ExportLog
 from .lights import add_light
 from .materials import NO_SURFACE, MaterialTable
+from .memory import ExportMemory
 from .mesh import MeshArrays, read_mesh
 from .unsupported import warn_linking, warn_object, warn_open_glass
 from .visibility import object_visibility
@@ -31,15 +32,16 @@ def add_objects(
     materials: MaterialTable,
     log: ExportLog,
     stopped: Callable[[], bool],
+    memory: ExportMemory | None = None,
 ) -> None:
     """Add every visible mesh and lamp, each mesh converted once however often it appears.
 
     The depsgraph leaves out what is hidden from renders or from the view layer. It presents
     the surfaces of curves, texts and metaballs as instances of type MESH beside the objects
-    themselves: taken from both, every face would lie on a twin. Raises
-    ``ExportCancelledError`` when ``stopped()`` turns true.
+    themselves: taken from both, every face would lie on a twin. ``memory`` has the meshes of
+    an earlier export. Raises ``ExportCancelledError`` when ``stopped()`` turns true.
     """
-    meshes = _MeshCache()
+    meshes = _MeshCache(memory)
     for instance in depsgraph.object_instances:
         if stopped():
             raise ExportCancelledError
@@ -53,7 +55,9 @@ def add_objects(
         elif obj.type == "MESH":
             warn_object(obj, depsgraph.view_layer, log)
             seen_by = object_visibility(obj, depsgraph.view_layer)
-            _add_mesh(builder, obj, matrix, seen_by, materials, meshes, log)
+            arrays, own = meshes.get(obj, bool(instance.is_instance))
+            if arrays is not None and len(arrays.faces):
+                _add_mesh(builder, obj, arrays, own, matrix, seen_by, materials, log)
         elif obj.type in _UNSUPPORTED:
             log.warn(
                 f"object '{obj.name}' is left out: {obj.type.lower()} is not supported yet"
@@ -63,15 +67,13 @@ def add_objects(
 def _add_mesh(
     builder: SceneBuilder,
     obj: Any,
+    arrays: MeshArrays,
+    mesh_materials: list[Any],
     matrix: NDArray[np.float64],
     seen_by: Visibility,
     materials: MaterialTable,
-    meshes: _MeshCache,
     log: ExportLog,
 ) -> None:
-    arrays, mesh_materials = meshes.get(obj)
-    if arrays is None or not len(arrays.faces):
-        return
     if not np.isfinite(matrix).all():
         log.warn(f"object '{obj.name}' is left out: its transform is not finite")
         return
@@ -100,24 +102,33 @@ def _root(obj: Any) -> Any:
 
 
 class _MeshCache:
-    """Converted meshes by evaluated data, alive for one export."""
+    """Converted meshes by evaluated data, alive for one export; ``memory`` lives longer."""
 
-    def __init__(self) -> None:
+    def __init__(self, memory: ExportMemory | None) -> None:
         self._meshes: dict[int, tuple[MeshArrays | None, list[Any]]] = {}
+        self._memory = memory
 
-    def get(self, obj: Any) -> tuple[MeshArrays | None, list[Any]]:
+    def get(self, obj: Any, is_instance: bool) -> tuple[MeshArrays | None, list[Any]]:
         """Arrays of ``obj`` (None without a surface) and its data's materials."""
         key = obj.data.as_pointer()
         if key not in self._meshes:
-            self._meshes[key] = self._convert(obj)
+            self._meshes[key] = self._convert(obj, is_instance)
         return self._meshes[key]
 
-    @staticmethod
-    def _convert(obj: Any) -> tuple[MeshArrays | None, list[Any]]:
+    def _convert(self, obj: Any, is_instance: bool) -> tuple[MeshArrays | None, list[Any]]:
+        # Instances may be made by nodes, from a mesh that has no object of its own.
+        memory = None if is_instance else self._memory
+        known = memory.mesh(obj) if memory is not None else None
+        if known is not None:
+            return known, list(obj.data.materials)
         mesh = obj.to_mesh()
         if mesh is None:
             return None, []
         try:
-            return read_mesh(mesh), list(mesh.materials)
+            arrays = read_mesh(mesh)
+            materials = list(mesh.materials)
         finally:
             obj.to_mesh_clear()
+        if memory is not None:
+            memory.keep_mesh(obj, arrays)
+        return arrays, materials

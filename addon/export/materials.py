@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...core.scene.builder import SceneBuilder, diffuse
 from ..report import ExportLog
 from .folding import ShaderFolder, Shading
+from .memory import ExportMemory
 from .nodes import shader_of, tree_of
 from .pictures import PictureTable
 from .values import ValueReader
@@ -26,11 +27,17 @@ NO_SURFACE = -1
 class MaterialTable:
     """Gives each material its row in ``builder``, and converts it when first asked for."""
 
-    def __init__(self, builder: SceneBuilder, log: ExportLog, override: Any = None) -> None:
+    def __init__(
+        self,
+        builder: SceneBuilder,
+        log: ExportLog,
+        override: Any = None,
+        memory: ExportMemory | None = None,
+    ) -> None:
         self.builder = builder
         self.log = log
         self.override = override
-        self.pictures = PictureTable(builder, log)
+        self.pictures = PictureTable(builder, log, memory)
         self._rows: dict[int | None, int] = {}
         self._refracting: set[int] = set()
 

@@ -11,6 +11,7 @@ from ...core.scene.builder import SceneBuilder
 from ...core.scene.tables import Extension
 from ..report import ExportLog
 from .images import ImageTable
+from .memory import ExportMemory
 from .nodes import Placed, default_of, origin_of
 
 if TYPE_CHECKING:
@@ -23,10 +24,12 @@ ACTIVE_UV = ""
 class PictureTable:
     """Gives each use of an image its row in ``builder``, and each UV map its number."""
 
-    def __init__(self, builder: SceneBuilder, log: ExportLog) -> None:
+    def __init__(
+        self, builder: SceneBuilder, log: ExportLog, memory: ExportMemory | None = None
+    ) -> None:
         self.builder = builder
         self.log = log
-        self.images = ImageTable(builder.pictures, log)
+        self.images = ImageTable(builder.pictures, log, memory)
         self._sets: dict[str, int] = {}
 
     @property

@@ -12,6 +12,7 @@ from ..report import ExportError, ExportLog
 from .camera import export_camera
 from .instances import ExportCancelledError, add_objects
 from .materials import MaterialTable
+from .memory import ExportMemory
 from .unsupported import warn_missing, warn_scene
 from .world import mist_of, world_values
 
@@ -24,13 +25,14 @@ def export_scene(
     log: ExportLog,
     stopped: Callable[[], bool],
     view: CameraData | None = None,
+    memory: ExportMemory | None = None,
 ) -> Scene:
     """Everything that ``depsgraph`` shows, in world space.
 
     Reads Blender on the calling thread and keeps no reference to it. ``engine`` supplies
     the camera of the view being rendered; without one (a script) the scene's camera is
-    taken, or ``view``. Raises ``ExportError``, ``SceneError``, and ``ExportCancelledError``
-    once ``stopped()`` is true.
+    taken, or ``view``. ``memory`` has what an earlier export converted. Raises
+    ``ExportError``, ``SceneError``, and ``ExportCancelledError`` once ``stopped()`` is true.
     """
     scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     camera = engine.camera_override if engine is not None else None
@@ -47,10 +49,10 @@ def export_scene(
     warn_scene(scene, layer, log)
     warn_missing(log)
     builder.set_world(**world_values(layer.world_override or scene.world, log))
-    materials = MaterialTable(builder, log, layer.material_override)
+    materials = MaterialTable(builder, log, layer.material_override, memory)
     shown_uv = materials.pictures.show_active() if layer.use_pass_uv else -1
     builder.set_shown(shown_uv, mist_of(layer.world_override or scene.world))
-    add_objects(builder, depsgraph, materials, log, stopped)
+    add_objects(builder, depsgraph, materials, log, stopped, memory)
     if builder.dropped_faces:
         log.warn(f"{builder.dropped_faces} faces without an area are left out")
     return builder.build()

@@ -68,7 +68,7 @@ class FakeCore:
         self.on_pass: Callable[[int], None] = lambda number: None
         self.warnings: tuple[str, ...] = ()
 
-    def render(self, scene: Any, settings: Any) -> Iterator[Any]:
+    def render(self, scene: Any, settings: Any, kept: Any = None) -> Iterator[Any]:
         x0, y0, x1, y1 = settings.region or (0, 0, scene.camera.width, scene.camera.height)
         film = FakeFilm((x0, y0, x1, y1), len(scene.faces))
         plan = SimpleNamespace(stages=(), warnings=self.warnings)

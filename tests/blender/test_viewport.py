@@ -133,6 +133,40 @@ def test_a_turned_view_is_rendered_without_an_export(
     assert core.closed == 4
 
 
+def test_an_edit_converts_only_what_changed(bpy: Any, core: Any, viewport: Any) -> None:
+    """Blender says in ``depsgraph.updates`` which geometry is another one."""
+    add_cube(bpy, "Other")
+    bpy.context.view_layer.update()
+    memory = viewport.render._memory
+
+    def on_update(_: Any, depsgraph: Any) -> None:
+        memory.forget_changes(depsgraph)
+
+    def updated() -> int:
+        before = memory.converted
+        # The updates are to be seen during the update alone, where engines are called too.
+        bpy.app.handlers.depsgraph_update_post.append(on_update)
+        bpy.context.view_layer.update()
+        bpy.app.handlers.depsgraph_update_post.remove(on_update)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        viewport.render.update(viewport.context, depsgraph)
+        wait_until(lambda: not workers())
+        assert len(viewport.render._scene.faces) == 24
+        return int(memory.converted - before)
+
+    assert updated() == 2
+    assert updated() == 0
+    bpy.data.objects["Cube"].location.x += 1.0
+    assert updated() == 0, "it is placed anew"
+    assert viewport.render._scene.vertices[:, 0].max() == pytest.approx(2.0)
+    bpy.data.meshes["Other"].vertices[0].co.x -= 9.0
+    bpy.data.meshes["Other"].update()
+    assert updated() == 1
+    assert viewport.render._scene.vertices[:, 0].min() == pytest.approx(-10.0)
+    bpy.app.handlers.undo_post[-1](bpy.context.scene)
+    assert updated() == 2, "after an undo nothing is sure"
+
+
 def test_closing_ends_the_worker(bpy: Any, core: Any, viewport: Any) -> None:
     begun, go_on = threading.Event(), threading.Event()
 
