@@ -13,7 +13,7 @@ BIN := .venv/bin
 PYTEST := python -m pytest -n 2 --dist loadfile
 
 .PHONY: help env env-core bpy render test test-slow test-core accuracy bench-env bench \
-	bench-quick budgets bench-references lint extension acceptance samples clean
+	bench-quick budgets bench-references lint extension acceptance samples gallery clean
 
 help:
 	@echo "make render [BLEND=file.blend]  render it to renders/*.png and *.exr"
@@ -28,6 +28,7 @@ help:
 	@echo "make lint                       ruff and mypy"
 	@echo "make extension                  dist/*.zip for Blender: one a platform and Python"
 	@echo "make acceptance BLENDER=path    install and try the fitting one in that Blender"
+	@echo "make gallery                    the pictures of docs/gallery.md (under 20 minutes)"
 	@echo "make samples                    build sample_blends/*.blend again (Python 3.11)"
 	@echo "make clean                      remove everything that make made"
 	@echo "PYTHON=python3.13 chooses the Python, ARGS='...' adds arguments to the command."
@@ -97,6 +98,10 @@ budgets: bench-env
 # Hours on a quiet machine; it goes on where it was stopped.
 bench-references: bench-env
 	@.venv-bench/bin/python benchmarks/speed_reference.py --seconds 14400 $(ARGS)
+
+# ARGS='pool gem' renders those pictures only.
+gallery: bpy
+	@$(BIN)/python sample_blends/gallery.py $(ARGS)
 
 # bpy 4.2 writes files that Blender 4.2 to 5.2 open.
 samples:

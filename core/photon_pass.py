@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .camera_pass.chunk import PhotonMaps, Region
 from .photons.photon_map import build_photon_map
 from .photons.radius import GLOBAL_ALPHA, radius_factor
+from .photons.shadow import shadow_map
 from .photons.trace import Walk, trace_photons
 from .pilot import PILOT_PASS, Radii, first_radii, no_radii
 from .plan import Plan
@@ -90,10 +91,16 @@ def trace_batch(prepared: Prepared, settings: Settings, i: int, batch: Batch) ->
 def pilot_radii(
     prepared: Prepared, settings: Settings, region: Region, source: PhotonSource
 ) -> Radii:
-    """Radii of pass 0. Without photons nothing is asked for radii, and nothing is traced."""
-    if not source.batches:
-        return no_radii()
-    return first_radii(prepared, settings, region, source.pilot())
+    """Radii of pass 0, and shadow photons when there shall be some.
+
+    Without photons nothing is asked for radii, and nothing is traced.
+    """
+    radii = no_radii()
+    if source.batches:
+        radii = first_radii(prepared, settings, region, source.pilot())
+    if settings.shadow_photons:
+        radii = radii._replace(shadows=shadow_map(prepared, settings))
+    return radii
 
 
 def photon_maps(
@@ -114,4 +121,5 @@ def photon_maps(
         emitted=sum(b.count for b in batches),
         stored=sum(len(w.photons) for w in walks),
         rays=sum(w.rays for w in walks),
+        shadows=radii.shadows,
     )

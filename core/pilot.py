@@ -12,6 +12,7 @@ from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather,
 from .film.film import SAMPLE
 from .geometry.borders import borders_of, no_borders
 from .photons.coverage import MOST_PIECES, BorderGrid, border_grid
+from .photons.shadow import ShadowMap
 from .prepared import Prepared
 from .settings import Settings
 
@@ -28,12 +29,14 @@ SPREAD = 4.0
 class Radii(NamedTuple):
     """Radii of pass 0. ``caustic``: pixel footprints, least, most, cell; ``global_`` [m].
 
-    ``borders`` are in a grid for discs of up to those radii.
+    ``borders`` are in a grid for discs of up to those radii. ``shadows``: the shadow photons,
+    None without.
     """
 
     caustic: tuple[float, float, float, float]
     global_: float
     borders: BorderGrid
+    shadows: ShadowMap | None = None
 
 
 def no_radii() -> Radii:

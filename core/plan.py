@@ -37,6 +37,7 @@ class Plan(NamedTuple):
         stages = (
             _emission(scene, facts),
             _direct(facts),
+            _shadow_photons(facts, settings),
             _caustics(scene, facts, settings),
             _indirect(facts, settings),
             _media(facts),
@@ -103,6 +104,17 @@ def _direct(facts: _Facts) -> Stage:
     parts += [f"{facts.emissive_faces} emissive faces"] if facts.emissive_faces else []
     parts += [facts.sky] if facts.world else []
     return Stage("direct", True, "light from " + ", ".join(parts))
+
+
+def _shadow_photons(facts: _Facts, settings: Settings) -> Stage:
+    """Never by itself: docs/shadow_photons.md has what both cost."""
+    if not settings.shadow_photons:
+        reason = "a shadow ray costs a thirtieth of a look at shadow photons"
+        return Stage("shadow photons", False, reason)
+    if not facts.lamps or not facts.receives:
+        return Stage("shadow photons", False, "no lamp whose shadow rays could be spared")
+    reason = f"{settings.shadow_photons} paths from {facts.lamps} lamps, as asked for"
+    return Stage("shadow photons", True, reason)
 
 
 def _caustics(scene: Scene, facts: _Facts, settings: Settings) -> Stage:

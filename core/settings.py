@@ -41,6 +41,9 @@ class Settings:
     at a time) changes a bit of the result.
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
     fit the scene, ``stale_maps`` says to trace as usual, to bake them again, or to refuse.
+    ``shadow_photons`` straight paths from the lamps, 0 for none, spare shadow rays where less
+    than ``shadow_lit`` or more than ``shadow_dark`` of ``shadow_least`` or more photons around
+    a place are shadow photons, with confidence (``photons/shadow``).
     """
 
     passes: int = 64
@@ -66,6 +69,10 @@ class Settings:
     stale_maps: StaleMaps = "TRACE"
     first_hit: tuple[str, ...] = ()
     matte_ranks: int = 6
+    shadow_photons: int = 0
+    shadow_lit: float = 0.1
+    shadow_dark: float = 0.96
+    shadow_least: int = 16
 
     def __post_init__(self) -> None:
         for name, (low, high) in _RANGES.items():
@@ -124,4 +131,8 @@ _RANGES: dict[str, tuple[float, float]] = {
     "exposure": (0, 10),
     "chunk_size": (1, 10_000_000),
     "matte_ranks": (1, 16),
+    "shadow_photons": (0, 100_000_000),
+    "shadow_lit": (0, 1),
+    "shadow_dark": (0, 1),
+    "shadow_least": (1, 1_000_000),
 }

@@ -1,8 +1,8 @@
 """One lobe: which model it is of, and what that model scatters.
 
 ``n`` is the shading normal on the side of ``wo``; all directions point away from the
-surface. A refraction's values are for radiance that leaves towards ``wo``. To add a model:
-a file for it beside this one, a branch in each function below, an entry in ``Model``.
+surface. A refraction's values are for radiance that leaves towards ``wo``. To add a BRDF see
+``added``; a model that does more needs a branch in each function below and a ``Model``.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import math
 from ..geometry.vector import Vector, dot, scale, vector
 from ..jit import Row, Table, kernel
 from ..scene.tables import Fresnel, Model
+from .added import eval_added, pdf_added, sample_added
 from .diffuse import eval_diffuse, pdf_diffuse, sample_diffuse
 from .fresnel import fresnel_dielectric, fresnel_f82, fresnel_rise, reflect, refract
 from .microfacet import eval_ggx, half_reflection, pdf_ggx, sample_ggx, sample_visible_normal
@@ -38,6 +39,8 @@ GGX_REFRACTION = int(Model.GGX_REFRACTION)
 TRANSPARENT = int(Model.TRANSPARENT)
 TRANSLUCENT = int(Model.TRANSLUCENT)
 SHEEN = int(Model.SHEEN)
+ADDED_1 = int(Model.ADDED_1)
+ADDED_2 = int(Model.ADDED_2)
 NO_FRESNEL = int(Fresnel.NONE)
 TRUE_FRESNEL = int(Fresnel.DIELECTRIC)
 F82 = int(Fresnel.F82)
@@ -215,6 +218,8 @@ def eval_lobe(lobe: Row, n: Vector, wo: Vector, wi: Vector) -> Vector:
     if model == GGX or model == GGX_DIELECTRIC:
         f = eval_ggx(n, wo, wi, lobe.roughness)
         return _times(w, reflectance(lobe, dot(wo, half_reflection(wo, wi))), f)
+    if model == ADDED_1 or model == ADDED_2:
+        return eval_added(model == ADDED_1, lobe, n, wo, wi)
     return _BLACK
 
 
@@ -244,6 +249,8 @@ def pdf_lobe(lobe: Row, n: Vector, wo: Vector, wi: Vector) -> float:
     if model == GGX_DIELECTRIC:
         pdf_w = pdf_ggx(n, wo, wi, lobe.roughness)
         return pdf_w * _reflect_prob(lobe, dot(wo, half_reflection(wo, wi)))
+    if model == ADDED_1 or model == ADDED_2:
+        return pdf_added(model == ADDED_1, lobe, n, wo, wi)
     return 0.0
 
 
@@ -272,6 +279,8 @@ def sample_lobe(
             return dot(n, wi) > 0.0, wi, False
         wi = refract(wo, h, lobe.eta, fresnel_dielectric(cos_h, lobe.eta)[1])
         return dot(n, wi) < 0.0, wi, True
+    elif model == ADDED_1 or model == ADDED_2:
+        wi = sample_added(model == ADDED_1, lobe, n, wo, u, v)
     else:
         wi = sample_diffuse(n, u, v)
     return dot(n, wi) > 0.0, wi, False

@@ -15,6 +15,7 @@ from ..film.first_hits import FIRST_HIT
 from ..film.layers import END_LAYERS
 from ..photons.coverage import BorderGrid
 from ..photons.photon_map import PhotonMap
+from ..photons.shadow import ASK, LIT, ShadowMap, decide
 from ..prepared import Prepared
 from ..scene.camera_data import CameraData
 from ..settings import Settings
@@ -47,7 +48,8 @@ class Region(NamedTuple):
 class PhotonMaps(NamedTuple):
     """Both maps of a pass, None where the plan has none, and the radii to ask them with.
 
-    ``borders``: those of the surfaces, for discs near them.
+    ``borders``: those of the surfaces, for discs near them; ``shadows``: what spares shadow
+    rays, None when they are all traced.
     ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m].
     """
 
@@ -59,6 +61,7 @@ class PhotonMaps(NamedTuple):
     emitted: int
     stored: int
     rays: int
+    shadows: ShadowMap | None = None
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,7 @@ def trace_chunk(
     samples = np.zeros(pixels.count, SAMPLE)
     rays = Rays(prepared, pixels.count)
     lit = trace_camera(prepared, settings, region, i, pixels, rays, samples)
-    rays.traced += _light_directly(prepared, settings, i, lit, samples)
+    rays.traced += _light_directly(prepared, settings, i, lit, maps.shadows, samples)
     ends = wide_only(lit)
     if len(ends.vertices):
         if maps.caustic is not None:
@@ -238,7 +241,12 @@ def _follow(
 
 
 def _light_directly(
-    prepared: Prepared, settings: Settings, i: int, lit: Lit, samples: NDArray[np.void]
+    prepared: Prepared,
+    settings: Settings,
+    i: int,
+    lit: Lit,
+    shadows: ShadowMap | None,
+    samples: NDArray[np.void],
 ) -> int:
     """Next-event estimation at the vertices; the number of shadow rays."""
     count = len(lit.vertices)
@@ -247,16 +255,22 @@ def _light_directly(
     origins = np.zeros((count, 3), np.float32)
     directions = np.zeros((count, 3), np.float32)
     lengths = np.zeros(count, np.float32)
-    slots = np.zeros(count, np.int32)
+    slots, asking, entries = np.zeros((3, count), np.int32)
     radiance = np.zeros((count, 3))
     asked: int = sample_direct(
         i, settings.gather_rays, prepared.mesh, prepared.materials, lit.lobes,
         prepared.shading, prepared.lights, lit.vertices, count, origins, directions,
-        lengths, slots, radiance,
+        lengths, slots, radiance, asking, entries,
     )  # fmt: skip
-    room = prepared.lobe_room(0)
-    free, traced = free_part(
-        prepared, room, origins[:asked], directions[:asked], lengths[:asked]
-    )
+    rays = origins[:asked], directions[:asked], lengths[:asked]
+    if shadows is None:
+        free, traced = free_part(prepared, prepared.lobe_room(0), *rays)
+    else:
+        verdicts = np.zeros(asked, np.int32)
+        decide(shadows, lit.vertices, asking, entries, directions, asked, verdicts)
+        free = np.repeat((verdicts == LIT)[:, None].astype(np.float64), 3, axis=1)
+        left = verdicts == ASK
+        rest = (np.ascontiguousarray(column[left]) for column in rays)
+        free[left], traced = free_part(prepared, prepared.lobe_room(0), *rest)
     add_direct(free, slots, radiance, asked, samples)
     return traced

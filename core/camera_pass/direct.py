@@ -5,13 +5,24 @@ from __future__ import annotations
 from ..bsdf.dispatch import WIDE, eval_part, part_bit, pdf_part
 from ..geometry.interaction import OFFSET, leave
 from ..geometry.media import current_medium, medium_around, transmittance
-from ..geometry.vector import along, dot, store, subtract, vector
+from ..geometry.vector import Vector, along, dot, store, subtract, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR, casts_shadow, sample_li, visibility_of
 from ..lights.selection import select_light
 from ..sampling.rng import camera_2d
 from .records import LIGHT, LIGHT_POINT
 from .seen import power_heuristic
+
+
+@kernel
+def _transmittance(materials: Table, vertex: Row, behind: bool, distance: float) -> Vector:
+    """What the medium on the light's side of the vertex leaves over that distance."""
+    medium = current_medium(materials, vertex)
+    if behind and materials[vertex.row].ior > 0.0:
+        medium = vertex.row
+        if not vertex.entering:
+            medium = medium_around(materials, vertex, vertex.row, False)
+    return transmittance(materials, medium, distance)
 
 
 @kernel
@@ -30,12 +41,15 @@ def sample_direct(
     lengths: Table,
     slots: Table,
     radiance: Table,
+    asking: Table,
+    entries: Table,
 ) -> int:
     """Shadow rays of ``count`` vertices and what each one brings if it is free.
 
     Next-event estimation with multiple importance sampling. Writes compact rows: rays
     (n, 3) f4 with ``lengths`` in multiples of the direction, ``slots``, ``radiance``
-    (n, 3). Returns their number. ``rays_each``: gather rays per vertex, the other technique.
+    (n, 3), ``asking`` the vertices and ``entries`` the lights. Returns their number.
+    ``rays_each``: gather rays per vertex, the other technique.
     """
     out = 0
     for k in range(count):
@@ -85,12 +99,9 @@ def sample_direct(
         store(directions[out], d)
         lengths[out] = length
         slots[out] = vertex.slot
-        medium = current_medium(materials, vertex)
-        if behind and materials[vertex.row].ior > 0.0:
-            medium = vertex.row
-            if not vertex.entering:
-                medium = medium_around(materials, vertex, vertex.row, False)
-        left = transmittance(materials, medium, distance)
+        asking[out] = k
+        entries[out] = entry
+        left = _transmittance(materials, vertex, behind, distance)
         for c in range(3):
             radiance[out, c] = vertex.beta[c] * f[c] * light[c] * left[c] * weight
         out += 1

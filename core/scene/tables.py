@@ -26,6 +26,9 @@ class Model(IntEnum):
     TRANSPARENT = 9
     TRANSLUCENT = 10
     SHEEN = 11
+    #: BRDFs of others, see ``bsdf/added``.
+    ADDED_1 = 12
+    ADDED_2 = 13
 
 
 #: Models whose scattering is a Dirac delta: no photon is stored for them.

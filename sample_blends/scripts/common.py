@@ -4,8 +4,8 @@ Every script of this folder builds one scene from nothing and writes it:
 
     python sample_blends/scripts/NAME.py OUT.blend
 
-The Python must have the ``bpy`` wheel 4.2 (files written by it open in Blender 4.2 to 5.2,
-files of 5.x do not open in 4.2). The content is deterministic. Lengths are metres.
+The Python must have the ``bpy`` wheel 4.2: its files open in Blender 4.2 to 5.2. The content
+is deterministic. Lengths are metres.
 """
 
 from __future__ import annotations
@@ -74,9 +74,16 @@ def diffuse(name: str, colour: Colour) -> bpy.types.Material:
     return _shader(name, "ShaderNodeBsdfDiffuse", Color=colour, Roughness=0.0)
 
 
-def glass(name: str, colour: Colour = (1.0, 1.0, 1.0)) -> bpy.types.Material:
-    """Smooth glass of the report's index."""
-    return _shader(name, "ShaderNodeBsdfGlass", Color=colour, Roughness=0.0, IOR=GLASS_IOR)
+def glass(
+    name: str, colour: Colour = (1.0, 1.0, 1.0), ior: float = GLASS_IOR, roughness: float = 0.0
+) -> bpy.types.Material:
+    """Glass, smooth and of the report's index when nothing else is said."""
+    return _shader(name, "ShaderNodeBsdfGlass", Color=colour, Roughness=roughness, IOR=ior)
+
+
+def refraction(name: str) -> bpy.types.Material:
+    """Glass as the report drew it before it knew Fresnel's terms: none is mirrored."""
+    return _shader(name, "ShaderNodeBsdfRefraction", Roughness=0.0, IOR=GLASS_IOR)
 
 
 def mirror(name: str, colour: Colour = (0.9, 0.9, 0.9)) -> bpy.types.Material:
@@ -246,6 +253,31 @@ def add_area_light(name: str, location: Point, power: float, size: float) -> bpy
     light.shape = "SQUARE"
     light.size = size
     return _add_light(name, light, location)
+
+
+def add_aimed_light(
+    name: str, kind: str, location: Point, target: Point, strength: float, angle: float
+) -> bpy.types.Object:
+    """A SUN [W/m^2] whose disc, or a SPOT [W] whose cone, is ``angle`` degrees across."""
+    light = bpy.data.lights.new(name, kind)
+    light.energy = strength
+    if kind == "SUN":
+        light.angle = math.radians(angle)
+    else:
+        light.spot_size, light.spot_blend = math.radians(angle), 0.1
+        light.shadow_soft_size, light.use_soft_falloff = 0.01, False
+    lamp = _add_light(name, light, location)
+    way = Vector(target) - Vector(location)
+    lamp.rotation_euler = way.to_track_quat("-Z", "Y").to_euler()
+    return lamp
+
+
+def show_in(frame: int, thing: bpy.types.Object) -> None:
+    """Render ``thing`` in that one of the frames 1 and 2 only."""
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 2
+    for at in (1, 2):
+        thing.hide_render = at != frame
+        thing.keyframe_insert("hide_render", frame=at)
 
 
 def _add_light(name: str, light: bpy.types.Light, location: Point) -> bpy.types.Object:

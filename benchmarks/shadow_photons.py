@@ -1,0 +1,175 @@
+"""Shadow photons against shadow rays: rays and time saved, and what is decided wrongly.
+
+    python benchmarks/shadow_photons.py [LAMPS ...]
+
+A floor with a hundred boxes under 1, 4 and 64 point lamps. Only direct light is rendered: no
+photons of other kinds. The shadow rays alone are timed too, batch by batch, and so is the
+look at the map. Prints the table of docs/shadow_photons.md.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from photon_map.core import Scene, SceneBuilder, Settings, render
+from photon_map.core.camera_pass.chunk import Pixels, Rays, Region, trace_camera
+from photon_map.core.camera_pass.direct import sample_direct
+from photon_map.core.camera_pass.shadow import free_part
+from photon_map.core.film.film import SAMPLE
+from photon_map.core.geometry.vector import vector
+from photon_map.core.jit import Row, Table, kernel
+from photon_map.core.photons.shadow import (
+    ASK,
+    LIT,
+    SHADOWED,
+    count_photons,
+    decide,
+    shadow_map,
+)
+from photon_map.core.prepared import prepare
+from photon_map.core.scene.builder import diffuse
+from photon_map.tests.scenes import box, camera, plane, sphere
+
+SIZE = 256
+PASSES = 8
+SETTINGS = Settings(
+    passes=PASSES, photons_global=0, photons_caustic=0, gather_rays=1, pixel_filter="BOX",
+    filter_width=1.0, threads=1, chunk_size=8192,
+)  # fmt: skip
+
+
+def scene(lamps: int, radius: float) -> Scene:
+    """Boxes and fine balls on a floor; lamps in a square grid above, of one power in all."""
+    b = SceneBuilder(f"{lamps} lamps")
+    white = b.add_material("white", [diffuse(0.7)])
+    b.add_mesh("floor", *plane(4.0), white)
+    random = np.random.default_rng(3)
+    for k in range(50):
+        x, y = random.uniform(-3, 3, 2)
+        w, h = random.uniform(0.08, 0.25), random.uniform(0.1, 0.8)
+        b.add_mesh(f"box {k}", *box((x - w, y - w, 1e-3), (x + w, y + w, h)), white)
+        x, y = random.uniform(-3, 3, 2)
+        b.add_mesh(f"ball {k}", *sphere((x, y, 0.3), 0.18, 4), white)
+    side = round(lamps**0.5)
+    for k in range(lamps):
+        x, y = (2.5 * (2 * (c + 0.5) / side - 1) for c in divmod(k, side))
+        b.add_point_light(f"lamp {k}", (x + 0.1, y - 0.2, 3.0), 30.0 / lamps, radius)
+    b.set_camera(camera((0, -6, 5), (0, 0, 0), SIZE, SIZE))
+    return b.build()
+
+
+def whole_render(world: Scene, photons: int) -> tuple[float, float, int, np.ndarray]:
+    """Seconds of rendering, of the setup, rays, and the direct layer."""
+    *_, last = render(world, replace(SETTINGS, shadow_photons=photons))
+    layer = last.film.resolve("direct").mean(axis=2)
+    return last.seconds, last.setup_seconds, last.film.statistics.rays, layer
+
+
+@kernel
+def decide_bare(
+    shadows: Row, vertices: Table, asking: Table, entries: Table, verdicts: Table
+) -> None:
+    """The report's rule: the share of the photons found, however few they are."""
+    for k in range(len(verdicts)):
+        vertex = vertices[asking[k]]
+        direct, shadow = count_photons(shadows, entries[k], vector(vertex.p), vector(vertex.ng))
+        verdicts[k] = ASK
+        if direct + shadow > 0:
+            if shadow < shadows.lit * (direct + shadow):
+                verdicts[k] = LIT
+            elif shadow > shadows.dark * (direct + shadow):
+                verdicts[k] = SHADOWED
+
+
+def parts(world: Scene, photons: int, rays: int) -> dict[str, float]:
+    """One camera pass by hand: what the rays cost, what the map costs, what it gets wrong.
+
+    Of at most ``rays`` shadow rays, drawn at random.
+    """
+    settings = replace(SETTINGS, shadow_photons=photons)
+    prepared = prepare(world, settings)
+    assert world.camera is not None
+    region = Region.of(world.camera, settings)
+    pixels = Pixels(0, SIZE * SIZE)
+    samples = np.zeros(pixels.count, SAMPLE)
+    lit = trace_camera(
+        prepared, settings, region, 0, pixels, Rays(prepared, pixels.count), samples
+    )
+    count = len(lit.vertices)
+    origins, directions = np.zeros((2, count, 3), np.float32)
+    lengths = np.zeros(count, np.float32)
+    slots, asking, entries = np.zeros((3, count), np.int32)
+    radiance = np.zeros((count, 3))
+    asked = sample_direct(
+        0, 1, prepared.mesh, prepared.materials, lit.lobes, prepared.shading, prepared.lights,
+        lit.vertices, count, origins, directions, lengths, slots, radiance, asking, entries,
+    )  # fmt: skip
+    if asked > rays:
+        pick = np.sort(np.random.default_rng(1).choice(asked, rays, replace=False))
+        origins, directions, lengths = origins[pick], directions[pick], lengths[pick]
+        asking, entries, asked = asking[pick], entries[pick], rays
+    begin = time.perf_counter()
+    shadows = shadow_map(prepared, settings)
+    building = time.perf_counter() - begin
+    verdicts = np.zeros(asked, np.int32)
+    looking, tracing = [], []
+    for _ in range(2):
+        begin = time.perf_counter()
+        decide(shadows, lit.vertices, asking, entries, directions, asked, verdicts)
+        looking.append(time.perf_counter() - begin)
+        ways = origins[:asked], directions[:asked].copy(), lengths[:asked].copy()
+        begin = time.perf_counter()
+        free, _ = free_part(prepared, prepared.lobe_room(0), *ways)
+        tracing.append(time.perf_counter() - begin)
+    bare = np.zeros(asked, np.int32)
+    decide_bare(shadows, lit.vertices, asking, entries, bare)
+    bare_decided = bare != ASK
+    bare_wrong = bare_decided & ((bare == LIT) != (free[:, 0] > 0))
+    decided = verdicts != ASK
+    wrong = decided & ((verdicts == LIT) != (free[:, 0] > 0))
+    return {
+        "rays": asked, "saved": decided.mean(), "wrong": wrong.sum() / asked,
+        "look_us": 1e6 * min(looking) / asked, "ray_us": 1e6 * min(tracing) / asked,
+        "bare_saved": bare_decided.mean(), "bare_wrong": bare_wrong.sum() / asked,
+        "building": building, "radius": shadows.radius, "stored": len(shadows.photons.keys),
+    }  # fmt: skip
+
+
+def main() -> None:
+    """Print the parts of every case, and whole renders with few lamps."""
+    whole_render(scene(1, 0.0), 1000)
+    wanted = [int(text) for text in sys.argv[1:]] or [1, 4, 64]
+    for lamps, radius in ((1, 0.0), (1, 0.1), (4, 0.0), (64, 0.0)):
+        if lamps not in wanted:
+            continue
+        world = scene(lamps, radius)
+        for photons in (50_000, 400_000):
+            found = parts(world, photons, 65_536 if lamps <= 4 else 2048)
+            print(
+                f"{lamps} lamps of radius {radius}, {photons} paths: {found['stored']} stored, "
+                f"disc {found['radius']:.3f} m, {100 * found['saved']:.1f} % saved, "
+                f"{100 * found['wrong']:.3f} % wrong; bare rule "
+                f"{100 * found['bare_saved']:.1f} % saved, "
+                f"{100 * found['bare_wrong']:.3f} % wrong; a look "
+                f"{found['look_us']:.2f} us, a ray {found['ray_us']:.3f} us, built in "
+                f"{found['building']:.2f} s",
+                flush=True,
+            )
+        if lamps > 4:
+            continue
+        seconds, _, rays, truth = whole_render(world, 0)
+        guessed, setup, fewer, layer = whole_render(world, 400_000)
+        error = np.sqrt(((layer - truth) ** 2).mean()) / truth.mean()
+        print(
+            f"  render {seconds:.2f} s, {rays} rays -> {guessed:.2f} s, {fewer} rays, setup "
+            f"{setup:.1f} s, rms difference {100 * error:.2f} %",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,258 @@
+"""Renders the gallery: the report's figures and further scenes, each with time and error.
+
+    python sample_blends/gallery.py [NAME ...]
+
+Writes docs/gallery/NAME.png, keeps what each render said in docs/gallery/renders.json, and
+makes docs/gallery.md of all of it. With names, only those are rendered again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import gallery_figures
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs" / "gallery"
+RENDERS = DOCS / "renders.json"
+SIZE = (320, 240)
+PASSES = 32
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One render: a sample, its frame, fields of ``Settings``, and what is seen."""
+
+    name: str
+    sample: str
+    words: str
+    frame: int | None = None
+    overrides: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Section:
+    """Pictures that belong together under one heading."""
+
+    title: str
+    words: str
+    pictures: tuple[Picture, ...]
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a render said of itself."""
+
+    passes: int
+    seconds: float
+    relative_error: float
+    rays: int
+
+
+ONE_PASS = {"passes": 1, "gather_rays": 1}
+REPORT = (
+    Section(
+        "Figure 1: Fresnel's terms",
+        "The report's cuboid without and with Fresnel weighting. Without, nothing is mirrored "
+        "off its faces; with them both walls show on it. Total reflection is in both.",
+        (
+            Picture("fresnel_without", "fresnel_cuboid", "refraction alone", 1),
+            Picture("fresnel_with", "fresnel_cuboid", "with Fresnel's terms", 2),
+        ),
+    ),
+    Section(
+        "Figure 2: without and with global photons",
+        "The report's room was black where no lamp shone with 0 photons and lit with 15 000. "
+        "The box here has an area lamp; its ceiling and the balls' shadows show the same.",
+        (
+            Picture("photons_0", "cornell_glass", "0 photons", None, {"photons_global": 0}),
+            Picture(
+                "photons_15000",
+                "cornell_glass",
+                "15 000 global photons a pass",
+                None,
+                {"photons_global": 15_000},
+            ),
+        ),
+    ),
+    Section(
+        "Corridor: draft and final",
+        "The report's draft was noisy at blurred edges. Two passes here, then many.",
+        (
+            Picture("corridor_draft", "cornell_corridor", "draft", None, {"passes": 2}),
+            Picture("corridor_final", "cornell_corridor", "final", None, {"passes": 96}),
+        ),
+    ),
+    Section(
+        "70 000 and 120 000 caustic photons",
+        "One pass, as the report had one. The number changes the noise and not the brightness.",
+        (
+            Picture(
+                "glass_70000",
+                "glass_caustics",
+                "70 000, one pass",
+                None,
+                ONE_PASS | {"photons_caustic": 70_000},
+            ),
+            Picture(
+                "glass_120000",
+                "glass_caustics",
+                "120 000, one pass",
+                None,
+                ONE_PASS | {"photons_caustic": 120_000},
+            ),
+            Picture("glass_many", "glass_caustics", "8192 a pass, many passes"),
+        ),
+    ),
+    Section(
+        "Ceiling caustics from blue reflectors",
+        "Four white point lamps; what blue mirrors send to the ceiling is blue.",
+        (Picture("ceiling", "mirror_caustics", "four lamps"),),
+    ),
+    Section(
+        "Depth of field",
+        "The plane of focus at the nearest and at the farthest sphere.",
+        (
+            Picture("focus_near", "dof_near_far", "near", 1),
+            Picture("focus_far", "dof_near_far", "far", 2),
+        ),
+    ),
+    Section(
+        "Index 1.52",
+        "The blue wall stands behind the camera and the green one to the right: both are seen "
+        "on the glass by Fresnel reflection. The cuboid's edges show total reflection.",
+        (
+            Picture("index_cuboid", "index_152", "cuboid", 1),
+            Picture("index_sphere", "index_152", "sphere", 2),
+        ),
+    ),
+    Section(
+        "A mirror for a back wall",
+        "The wall behind the camera is blue and comes back by the mirror.",
+        (Picture("mirror_wall", "mirror_wall", "mirror wall"),),
+    ),
+)
+
+BEYOND = (
+    Section("Pool", "The sun through waves.", (Picture("pool", "pool", "pool"),)),
+    Section(
+        "Nephroid", "A brass ring in the sun; its cusp lies at half the radius.",
+        (Picture("nephroid", "nephroid_ring", "ring"),),
+    ),
+    Section(
+        "Whisky with ice", "Glass, drink and ice inside of each other.",
+        (Picture("whisky", "whisky_glass", "tumbler"),),
+    ),
+    Section(
+        "Magnifier", "A caustic seen through a lens: a path tracer's hardest case.",
+        (Picture("magnifier", "magnifier", "lens"),),
+    ),
+    Section(
+        "Prisms", "One bends its beam, one turns it around by total reflection.",
+        (Picture("prism", "prism", "prisms"),),
+    ),
+    Section(
+        "Cut stones", "Index 2.42 clear, index 1.77 red.", (Picture("gem", "gem", "stones"),)
+    ),
+    Section(
+        "Behind frosted glass", "A small lamp behind a rough pane.",
+        (Picture("frosted", "frosted_lamp", "pane"),),
+    ),
+    Section(
+        "Through a keyhole", "All light in the room came through the keyhole.",
+        (Picture("keyhole", "keyhole", "keyhole"),),
+    ),
+)  # fmt: skip
+
+
+def render_picture(picture: Picture) -> Result:
+    """Render one of the gallery through Blender; its PNG appears whole or not at all."""
+    from photon_map.addon import headless
+
+    done = headless.render_file(
+        ROOT / "sample_blends" / f"{picture.sample}.blend",
+        frame=picture.frame,
+        size=SIZE,
+        overrides={"passes": PASSES, **picture.overrides},
+        png_path=DOCS / f"{picture.name}.png",
+    )
+    update = done.update
+    error = update.relative_error if update.passes > 1 else float("inf")
+    rays = int(update.film.statistics.rays)
+    return Result(update.passes, round(update.seconds, 1), error, rays)
+
+
+def document(results: dict[str, Result], figures: str) -> str:
+    """The page, of what the renders said."""
+    text = [
+        "# Gallery",
+        "",
+        f"Made by `make gallery` from `sample_blends/`, {SIZE[0]}x{SIZE[1]} pixels. Below each "
+        "picture stand its passes, the seconds of rendering on two cores that did other work "
+        "too, and the error that the render stated of itself (noise and bias, of a typical "
+        "pixel; one pass alone cannot tell).",
+        "",
+        "## The report's figures",
+    ]
+    for section in REPORT:
+        text += section_lines(section, results)
+    text += [figures, "## Beyond the report"]
+    for section in BEYOND:
+        text += section_lines(section, results)
+    return "\n".join(text).rstrip() + "\n"
+
+
+def section_lines(section: Section, results: dict[str, Result]) -> list[str]:
+    """A heading, a table of pictures, and what is to be seen."""
+    shown = [picture for picture in section.pictures if picture.name in results]
+    if not shown:
+        return []
+    pictures = " | ".join(f"![{p.words}](gallery/{p.name}.png)" for p in shown)
+    captions = " | ".join(f"{p.words}: {told(results[p.name])}" for p in shown)
+    bar = "|".join("---" for _ in shown)
+    table = [f"| {pictures} |", f"|{bar}|", f"| {captions} |"]
+    return ["", f"### {section.title}", "", section.words, "", *table]
+
+
+def told(result: Result) -> str:
+    """Passes, time and error in words."""
+    known = result.relative_error < float("inf")
+    error = f", error {100 * result.relative_error:.1f} %" if known else ""
+    passes = "1 pass" if result.passes == 1 else f"{result.passes} passes"
+    return f"{passes}, {result.seconds:.0f} s{error}"
+
+
+def main() -> None:
+    """Render what was asked for, then write the page."""
+    parser = argparse.ArgumentParser(description="Render the gallery of docs/gallery.md.")
+    parser.add_argument("names", nargs="*", help="pictures to render again; all without")
+    wanted = parser.parse_args().names
+    pictures = {p.name: p for section in (*REPORT, *BEYOND) for p in section.pictures}
+    unknown = set(wanted) - set(pictures) - set(gallery_figures.FIGURES)
+    if unknown:
+        raise SystemExit(f"no picture is called {', '.join(sorted(unknown))}")
+    DOCS.mkdir(exist_ok=True)
+    results = {}
+    if RENDERS.exists():
+        stored = json.loads(RENDERS.read_text("utf-8"))
+        results = {name: Result(**row) for name, row in stored.items() if name in pictures}
+    for name, picture in pictures.items():
+        if wanted and name not in wanted:
+            continue
+        results[name] = render_picture(picture)
+        rows = {key: asdict(results[key]) for key in pictures if key in results}
+        RENDERS.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+        print(f"{name}: {told(results[name])}", flush=True)
+    for name, draw in gallery_figures.FIGURES.items():
+        if not wanted or name in wanted:
+            draw(DOCS / f"{name}.png")
+    page = document(results, gallery_figures.PAGE)
+    (ROOT / "docs" / "gallery.md").write_text(page, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
