@@ -19,6 +19,7 @@ from photon_map.core.geometry.vector import dot, read, subtract
 from photon_map.core.jit import Row, Table, kernel
 from photon_map.core.photons.gather import gather_irradiance
 from photon_map.core.photons.photon_map import PhotonMap, build_photon_map
+from photon_map.core.photons.sight import SIGHT
 from photon_map.core.photons.trace import PHOTON, Walk
 from photon_map.tests.scenes import sphere
 
@@ -27,11 +28,15 @@ WANTED = (10, 50, 200)
 
 
 @kernel
-def ask_grid(photons: Row, places: Table, normals: Table, radius: float, out: Table) -> int:
+def ask_grid(
+    photons: Row, places: Table, normals: Table, radius: float, sight: Table, out: Table
+) -> int:
     """Irradiance at each place; photons found in all."""
     found = 0
     for k in range(len(places)):
-        e, _, count = gather_irradiance(photons, read(places, k), read(normals, k), radius)
+        e, _, count = gather_irradiance(
+            photons, read(places, k), read(normals, k), radius, sight
+        )
         out[k] = e[0]
         found += count
     return found
@@ -79,10 +84,12 @@ def search() -> None:
             walk = [Walk(photons, order, 0)]
             grid: PhotonMap = build_photon_map(walk, 2 * radius)
             out = np.zeros(len(places))
-            found = ask_grid(grid, places, normals, radius, out)
+            found = ask_grid(grid, places, normals, radius, np.zeros(SIGHT), out)
             sort = timed(lambda w=walk, r=radius: build_photon_map(w, 2 * r))
             ask = timed(
-                lambda g=grid, p=places, n=normals, r=radius, o=out: ask_grid(g, p, n, r, o)
+                lambda g=grid, p=places, n=normals, r=radius, o=out: ask_grid(
+                    g, p, n, r, np.zeros(SIGHT), o
+                )
             )
             ball = timed(
                 lambda t=tree, p=places, r=radius: t.query_ball_point(p, r, return_length=True)

@@ -97,7 +97,8 @@ def pilot_radii(
     """
     radii = no_radii()
     if source.batches:
-        radii = first_radii(prepared, settings, region, source.pilot())
+        caustics = any(batch.caustic for batch in source.batches)
+        radii = first_radii(prepared, settings, region, source.pilot(), caustics)
     if settings.shadow_photons:
         radii = radii._replace(shadows=shadow_map(prepared, settings))
     return radii
@@ -117,7 +118,8 @@ def photon_maps(
         global_=build_photon_map(global_, 2 * global_radius) if global_ else None,
         caustic_radii=(footprints, least, most),
         global_radius=global_radius,
-        borders=radii.borders,
+        caustic_borders=radii.caustic_borders,
+        global_borders=radii.global_borders,
         emitted=sum(b.count for b in batches),
         stored=sum(len(w.photons) for w in walks),
         rays=sum(w.rays for w in walks),

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from .camera_pass.caustics import footprints
 from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather, wide_only
 from .film.film import SAMPLE
-from .geometry.borders import borders_of, no_borders
+from .geometry.borders import border_sides, borders_of, joined, no_borders, places, short
+from .geometry.crossings import bodies, crossings
 from .photons.coverage import MOST_PIECES, BorderGrid, border_grid
 from .photons.shadow import ShadowMap
 from .prepared import Prepared
@@ -29,46 +30,68 @@ SPREAD = 4.0
 class Radii(NamedTuple):
     """Radii of pass 0. ``caustic``: pixel footprints, least, most, cell; ``global_`` [m].
 
-    ``borders`` are in a grid for discs of up to those radii. ``shadows``: the shadow photons,
+    The borders are in grids for discs of up to those radii. ``shadows``: the shadow photons,
     None without.
     """
 
     caustic: tuple[float, float, float, float]
     global_: float
-    borders: BorderGrid
+    caustic_borders: BorderGrid
+    global_borders: BorderGrid
     shadows: ShadowMap | None = None
 
 
 def no_radii() -> Radii:
     """Of a render without photons."""
-    return Radii((0.0, 0.0, 0.0, 0.0), 0.0, border_grid(no_borders(), 1.0))
+    none = border_grid(no_borders(), 1.0)
+    return Radii((0.0, 0.0, 0.0, 0.0), 0.0, none, none)
 
 
 def first_radii(
-    prepared: Prepared, settings: Settings, region: Region, photons: NDArray[np.float64]
+    prepared: Prepared,
+    settings: Settings,
+    region: Region,
+    photons: NDArray[np.float64],
+    caustics: bool,
 ) -> Radii:
     """Radii from what the camera sees and how dense the pilot's global ``photons`` lie.
 
-    ``photons`` (P, 3): positions of one pass's global photons, centred.
+    ``photons`` (P, 3): positions of one pass's global photons, centred; ``caustics``:
+    whether there are discs for them at all.
     """
     total = region.width * region.height
     stride = max(1, total // PIXELS)
     pixels = Pixels(0, total // stride, stride)
     samples = np.zeros(pixels.count, SAMPLE)
     rays = Rays(prepared, pixels.count)
-    lit = trace_camera(prepared, settings, region, PILOT_PASS, pixels, rays, samples)
-    lit = wide_only(lit)
-    far, _ = trace_gather(prepared, settings, PILOT_PASS, lit, samples)
+    ends = trace_camera(prepared, settings, region, PILOT_PASS, pixels, rays, samples)
+    ends = wide_only(ends)
+    far, _ = trace_gather(prepared, settings, PILOT_PASS, ends, samples)
     size = prepared.centre.radius
-    seen = footprints(prepared.camera, np.ascontiguousarray(lit.vertices["length"]))
+    seen = footprints(prepared.camera, np.ascontiguousarray(ends.vertices["length"]))
     typical = float(np.median(seen)) if len(seen) else 1e-3 * size
     typical = max(typical * settings.caustic_radius, 1e-7 * size)
     caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, 2 * typical)
     radius = _global_radius(photons, far.vertices["p"], size)
-    largest = max(radius, caustic[2])
-    holds = prepared.receivers[prepared.mesh.material]
-    borders = borders_of(prepared.mesh, holds, prepared.intersector, largest, MOST_PIECES)
-    return Radii(caustic, radius, border_grid(borders, largest))
+    grids = _borders(prepared, [caustic[2], radius] if caustics else [radius])
+    return Radii(caustic, radius, grids[0], grids[-1])
+
+
+def _borders(prepared: Prepared, radii: list[float]) -> list[BorderGrid]:
+    """Where surfaces end or run into others, for discs of each of ``radii``."""
+    mesh, intersector = prepared.mesh, prepared.intersector
+    if len(mesh.faces) == 0:
+        return [border_grid(no_borders(), 1.0)] * len(radii)
+    holds = prepared.receivers[mesh.material]
+    place = places(mesh)
+    body = bodies(place, prepared.face_object)
+    met = crossings(mesh, place, body, holds, intersector, radii[-1])
+    sides = border_sides(mesh, place, np.flatnonzero(holds))
+    grids = []
+    for radius in radii:
+        ends = borders_of(mesh, sides, holds, intersector, radius, MOST_PIECES)
+        grids.append(border_grid(joined(ends, short(met, radius, MOST_PIECES)), radius))
+    return grids
 
 
 def _global_radius(

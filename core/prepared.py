@@ -31,9 +31,11 @@ class Prepared(NamedTuple):
     ``light_media`` (N+2, 1 + STACK) i4 and ``camera_media`` (1 + STACK,): count and rows
     of the media that the light or the camera stands in. ``receivers`` (M,) bool: the
     materials that photons are stored on. ``first_hits``: None when no layer needs it.
+    ``face_object`` (F,) i4.
     """
 
     mesh: Mesh
+    face_object: NDArray[np.int32]
     centre: Centre
     materials: NDArray[np.void]
     lobes: NDArray[np.void]
@@ -82,6 +84,7 @@ def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prep
     camera, camera_media = _seen_from(scene, settings, centre, intersector, mesh, materials)
     return Prepared(
         mesh=mesh,
+        face_object=scene.face_object,
         centre=centre,
         materials=materials,
         lobes=scene.lobes.copy(),

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from photon_map.core.geometry.borders import Borders, border_sides, borders_of, places
+from photon_map.core.geometry.intersector import Intersector
 from photon_map.core.geometry.mesh import Mesh
 
 
@@ -29,3 +31,12 @@ def joined(*parts: tuple[ArrayLike, ArrayLike]) -> Mesh:
         np.asarray(faces) + start for (_, faces), start in zip(parts, starts, strict=False)
     ]
     return mesh_of(np.concatenate([vertices for vertices, _ in parts]), np.concatenate(faces))
+
+
+def all_borders(
+    mesh: Mesh, longest: float, most: int = 10**6, holds: ArrayLike | None = None
+) -> Borders:
+    """``borders_of`` of the faces that ``holds``: all of them when it is None."""
+    chosen = np.ones(len(mesh.faces), np.bool_) if holds is None else np.asarray(holds, bool)
+    sides = border_sides(mesh, places(mesh), np.flatnonzero(chosen))
+    return borders_of(mesh, sides, chosen, Intersector(mesh), longest, most)

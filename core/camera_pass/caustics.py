@@ -49,14 +49,16 @@ def gather_caustics(
     vertices: Table,
     count: int,
     samples: Table,
+    sight: Table,
 ) -> None:
     """Add the caustic layer at ``count`` vertices.
 
-    ``radii``: (pixels per footprint, least, most) of this pass, the latter two in metres.
+    ``radii``: (pixels per footprint, least, most) of this pass, the latter two in metres;
+    ``sight`` (SIGHT,) is overwritten.
     """
     for k in range(count):
         vertex = vertices[k]
         radius = radii[0] * footprint(camera, vertex.length)
         radius = min(max(radius, radii[1]), radii[2])
         sample = samples[vertex.slot]
-        add_estimate(sample.caustics, sample, vertex, lobes, photon_map, borders, radius)
+        add_estimate(sample.caustics, sample, vertex, lobes, photon_map, borders, radius, sight)

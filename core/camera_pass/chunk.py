@@ -16,6 +16,7 @@ from ..film.layers import END_LAYERS
 from ..photons.coverage import BorderGrid
 from ..photons.photon_map import PhotonMap
 from ..photons.shadow import ASK, LIT, ShadowMap, decide
+from ..photons.sight import SIGHT
 from ..prepared import Prepared
 from ..scene.camera_data import CameraData
 from ..settings import Settings
@@ -48,7 +49,7 @@ class Region(NamedTuple):
 class PhotonMaps(NamedTuple):
     """Both maps of a pass, None where the plan has none, and the radii to ask them with.
 
-    ``borders``: those of the surfaces, for discs near them; ``shadows``: what spares shadow
+    The borders are those of the surfaces, for discs near them; ``shadows``: what spares shadow
     rays, None when they are all traced.
     ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m].
     """
@@ -57,7 +58,8 @@ class PhotonMaps(NamedTuple):
     global_: PhotonMap | None
     caustic_radii: tuple[float, float, float]
     global_radius: float
-    borders: BorderGrid
+    caustic_borders: BorderGrid
+    global_borders: BorderGrid
     emitted: int
     stored: int
     rays: int
@@ -121,15 +123,15 @@ def trace_chunk(
     if len(ends.vertices):
         if maps.caustic is not None:
             gather_caustics(
-                ends.lobes, prepared.camera, maps.caustic, maps.borders, maps.caustic_radii,
-                ends.vertices, len(ends.vertices), samples,
+                ends.lobes, prepared.camera, maps.caustic, maps.caustic_borders,
+                maps.caustic_radii, ends.vertices, len(ends.vertices), samples, np.zeros(SIGHT),
             )  # fmt: skip
         far, traced = trace_gather(prepared, settings, i, ends, samples)
         rays.traced += traced
         if maps.global_ is not None:
             gather_indirect(
-                far.lobes, maps.global_, maps.borders, maps.global_radius, far.vertices,
-                len(far.vertices), samples,
+                far.lobes, maps.global_, maps.global_borders, maps.global_radius, far.vertices,
+                len(far.vertices), samples, np.zeros(SIGHT),
             )  # fmt: skip
     first_hits = None
     if prepared.first_hits is not None:

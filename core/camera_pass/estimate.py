@@ -6,8 +6,9 @@ import math
 
 from ..geometry.vector import scale, subtract, vector
 from ..jit import Row, Table, kernel
-from ..photons.coverage import coverage
+from ..photons.coverage import LEAST_SHARE, coverage, look_around
 from ..photons.gather import gather_radiance
+from ..photons.sight import seen_share
 from .seen import add
 
 _HALF_AREA = 1.0 / math.sqrt(2.0)
@@ -22,24 +23,28 @@ def add_estimate(
     photon_map: Row,
     borders: Row,
     radius: float,
+    sight: Table,
 ) -> None:
     """Add the light that photons within ``radius`` of ``vertex`` bring to ``layer``.
 
     Each estimate is divided by the share of its disc within ``borders``. What it would
-    lose with half the area goes to ``sample.shrink``.
+    lose with half the area goes to ``sample.shrink``. ``sight`` (SIGHT,) is overwritten.
     """
     p = vector(vertex.p)
     ng = vector(vertex.ng)
+    outside = vertex.entering != 0
+    parted, share = look_around(borders, p, ng, outside, radius, sight)
     radiance, inner, found = gather_radiance(
-        photon_map, p, ng, vector(vertex.ns), vector(vertex.wo), radius, vertex, lobes
+        photon_map, p, ng, vector(vertex.ns), vector(vertex.wo), radius, vertex, lobes, sight
     )
     if found == 0:
         return
-    outside = vertex.entering != 0
-    share = coverage(borders, p, ng, outside, radius)
-    if share < 1.0:
-        radiance = scale(radiance, 1.0 / share)
-        share = coverage(borders, p, ng, outside, _HALF_AREA * radius)
-        inner = scale(inner, 1.0 / share)
+    half = 1.0
+    if parted:
+        half = max(LEAST_SHARE, seen_share(sight, _HALF_AREA))
+    elif share < 1.0:
+        half = coverage(borders, p, ng, outside, _HALF_AREA * radius)
+    radiance = scale(radiance, 1.0 / share)
+    inner = scale(inner, 1.0 / half)
     add(layer, vertex.beta, radiance, 1.0)
     add(sample.shrink, vertex.beta, subtract(radiance, inner), 1.0)

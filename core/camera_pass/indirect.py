@@ -80,9 +80,13 @@ def gather_indirect(
     vertices: Table,
     count: int,
     samples: Table,
+    sight: Table,
 ) -> None:
-    """Add the indirect layer: ``vertices`` are where the gather rays ended."""
+    """Add the indirect layer: ``vertices`` are where the gather rays ended.
+
+    ``sight`` (SIGHT,) is overwritten.
+    """
     for k in range(count):
         vertex = vertices[k]
         sample = samples[vertex.slot]
-        add_estimate(sample.indirect, sample, vertex, lobes, photon_map, borders, radius)
+        add_estimate(sample.indirect, sample, vertex, lobes, photon_map, borders, radius, sight)

@@ -19,15 +19,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.borders import Borders
+from ..geometry.borders import ABOVE, BELOW, CROSSING, Borders
 from ..geometry.vector import Vector, basis, dot, read, scale, subtract
 from ..jit import Row, Table, kernel
 from .cells import bucket_of, cell_key
 from .gather import LEAST_COSINE, MOST_HEIGHT
+from .sight import SECTORS, end_sight, open_sight, seen_share
 
 #: Least share that an estimate is divided by.
 LEAST_SHARE = 0.1
-#: Pieces of borders, each cut into 8 at most where its sides differ (80 bytes, and up to 8
+#: Pieces of borders, each cut into 8 at most where its sides differ (81 bytes, and up to 8
 #: entries of 12 bytes in the grid).
 MOST_PIECES = 100_000
 #: A cell with more pieces is left without: its surfaces are finer than the disc.
@@ -40,13 +41,14 @@ _IN_PLANE = 1e-3
 class BorderGrid(NamedTuple):
     """Borders in the cells of a hashed grid.
 
-    ends, normal, gap: see ``Borders``; for each entry its cell ``keys`` (P,) i8 and
+    ends, normal, gap, parts: see ``Borders``; for each entry its cell ``keys`` (P,) i8 and
     ``piece`` (P,) i4; ``start`` (B+1,) i4 of the buckets; ``cell`` [m].
     """
 
     ends: NDArray[np.float64]
     normal: NDArray[np.float64]
     gap: NDArray[np.float64]
+    parts: NDArray[np.int8]
     keys: NDArray[np.int64]
     piece: NDArray[np.int32]
     start: NDArray[np.int32]
@@ -124,29 +126,112 @@ def coverage(grid: Row, p: Vector, ng: Vector, outside: bool, radius: float) -> 
     ``outside`` tells that ``ng`` is the side that the face's winding calls outside. Counts
     as surface what ``photon_weight`` would count photons of.
     """
+    first, last, key = pieces_near(grid, p)
+    n = ng if outside else scale(ng, -1.0)
+    share = 1.0
+    for k in range(first, last):
+        cosine = lies_by(grid, k, key, p, n, radius)
+        if cosine == 0.0 or grid.parts[grid.piece[k]] & CROSSING:
+            continue
+        a, b = on_disc(grid, grid.piece[k], p, n, radius)
+        part = share_beyond(a[0], a[1], b[0], b[1])
+        share -= part if cosine > 0.0 else -part
+    return min(1.0, max(LEAST_SHARE, share))
+
+
+@kernel
+def pieces_near(grid: Row, p: Vector) -> tuple[int, int, int]:
+    """Entries that may lie in the cell of ``p``: (first, last + 1, key); others are not."""
     key = cell_key(
         int(math.floor(p[0] / grid.cell)),
         int(math.floor(p[1] / grid.cell)),
         int(math.floor(p[2] / grid.cell)),
     )
     bucket = bucket_of(key, len(grid.start) - 1)
-    n = ng if outside else scale(ng, -1.0)
+    return grid.start[bucket], grid.start[bucket + 1], key
+
+
+@kernel
+def lies_by(grid: Row, k: int, key: int, p: Vector, n: Vector, radius: float) -> float:
+    """Cosine between ``n`` and the normal of a piece in the plane of the disc, else 0.
+
+    ``n``: normal by winding of the face that ``p`` is on. The surface does not go on beside.
+    """
+    e = grid.piece[k]
+    if grid.keys[k] != key or grid.gap[e] <= MOST_HEIGHT * radius:
+        return 0.0
+    cosine = dot(read(grid.normal, e), n)
+    if abs(cosine) < LEAST_COSINE:
+        return 0.0
+    a = subtract(read(grid.ends[e], 0), p)
+    b = subtract(read(grid.ends[e], 1), p)
+    height = 0.5 * abs(dot(a, n) + dot(b, n))
+    flat = MOST_HEIGHT if cosine > 0.0 or grid.parts[e] & CROSSING else _IN_PLANE
+    return cosine if height <= flat * radius else 0.0
+
+
+@kernel
+def on_disc(
+    grid: Row, e: int, p: Vector, n: Vector, radius: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Both ends of piece ``e`` in the plane of ``n`` about ``p``, in radii."""
     t, s = basis(n)
+    a = subtract(read(grid.ends[e], 0), p)
+    b = subtract(read(grid.ends[e], 1), p)
+    return (dot(a, t) / radius, dot(a, s) / radius), (dot(b, t) / radius, dot(b, s) / radius)
+
+
+@kernel
+def look_around(
+    grid: Row, p: Vector, ng: Vector, outside: bool, radius: float, sight: Table
+) -> tuple[bool, float]:
+    """Whether surfaces part the disc about ``p``, and the share of the kernel that counts.
+
+    If so ``sight`` (SIGHT,) ends at all borders, else it is not asked for. A wall at the end
+    of a surface parts the disc only if another surface begins behind. For the others see
+    ``coverage``.
+    """
+    first, last, key = pieces_near(grid, p)
+    n = ng if outside else scale(ng, -1.0)
     share = 1.0
-    for k in range(grid.start[bucket], grid.start[bucket + 1]):
+    wall = beyond = crossed = False
+    for k in range(first, last):
+        cosine = lies_by(grid, k, key, p, n, radius)
+        if cosine == 0.0:
+            continue
         e = grid.piece[k]
-        if grid.keys[k] != key or grid.gap[e] <= MOST_HEIGHT * radius:
+        a, b = on_disc(grid, e, p, n, radius)
+        if not _is_within(a[0], a[1], b[0], b[1]):
             continue
-        cosine = dot(read(grid.normal, e), n)
-        if abs(cosine) < LEAST_COSINE:
+        if grid.parts[e] & CROSSING:
+            crossed = True
             continue
-        a = subtract(read(grid.ends[e], 0), p)
-        b = subtract(read(grid.ends[e], 1), p)
-        height = 0.5 * abs(dot(a, n) + dot(b, n))
-        if height > (MOST_HEIGHT if cosine > 0.0 else _IN_PLANE) * radius:
-            continue
-        part = share_beyond(
-            dot(a, t) / radius, dot(a, s) / radius, dot(b, t) / radius, dot(b, s) / radius
-        )
-        share -= part if cosine > 0.0 else -part
-    return min(1.0, max(LEAST_SHARE, share))
+        part = share_beyond(a[0], a[1], b[0], b[1])
+        part = part if cosine > 0.0 else -part
+        share -= part
+        beyond = beyond or part < 0.0
+        above = (cosine > 0.0) == outside
+        wall = wall or (grid.parts[e] & (ABOVE if above else BELOW)) != 0
+    sight[SECTORS] = 0.0
+    if not crossed and not (wall and beyond):
+        return False, min(1.0, max(LEAST_SHARE, share))
+    open_sight(sight)
+    for k in range(first, last):
+        if lies_by(grid, k, key, p, n, radius) != 0.0:
+            a, b = on_disc(grid, grid.piece[k], p, ng, radius)
+            end_sight(sight, a[0], a[1], b[0], b[1])
+    return True, max(LEAST_SHARE, seen_share(sight, 1.0))
+
+
+@kernel
+def _is_within(x0: float, y0: float, x1: float, y1: float) -> bool:
+    """Whether a line from (x0, y0) to (x1, y1) comes nearer to the middle than 1."""
+    dx = x1 - x0
+    dy = y1 - y0
+    square = dx * dx + dy * dy
+    along = 0.0
+    if square > 0.0:
+        along = min(1.0, max(0.0, -(x0 * dx + y0 * dy) / square))
+    x = x0 + along * dx
+    y = y0 + along * dy
+    return x * x + y * y < 1.0

@@ -20,6 +20,7 @@ from ..geometry.vector import Vector, scale, times, vector
 from ..jit import Row, Table, kernel
 from ..sampling.warps import INV_PI
 from .cells import bucket_of, cell_key
+from .sight import SECTORS, is_hidden
 
 #: Photons count when their surface's normal is within 45 degrees of the query's, ...
 LEAST_COSINE = 0.7
@@ -91,6 +92,13 @@ def photon_weight(
 
 
 @kernel
+def _to(photon: Row, p: Vector) -> Vector:
+    """The way from ``p`` to a photon."""
+    x = photon.position
+    return x[0] - p[0], x[1] - p[1], x[2] - p[2]
+
+
+@kernel
 def _may_hold(
     x: int, y: int, z: int, cell: float, p: Vector, ng: Vector, radius: float, high: float
 ) -> bool:
@@ -120,20 +128,23 @@ def gather_radiance(
     radius: float,
     surface: Row,
     lobes: Table,
+    sight: Table,
 ) -> tuple[Vector, Vector, int]:
     """Radiance sent to ``wo`` from ``p`` by the photons within ``radius``.
 
     Returns (Lo, Lo by those in half the area, count). ``surface`` has the lobes, of which the
-    ``part`` of each photon answers to it.
+    ``part`` of each photon answers to it. ``sight`` (SIGHT,): how
+    far the disc sees to each side, if its last entry is not 0.
     """
     if is_lambertian(surface, lobes):
-        e, inner, found = gather_irradiance(photon_map, p, ng, radius)
+        e, inner, found = gather_irradiance(photon_map, p, ng, radius, sight)
         a = scale(albedo_nonspecular(surface, lobes), INV_PI)
         return times(a, e), times(a, inner), found
     both = is_twosided(surface, lobes)
     r = g = b = 0.0
     r_in = g_in = b_in = 0.0
     found = 0
+    parted = sight[SECTORS] != 0.0
     radius = min(radius, largest_radius(photon_map.cell))
     low, high = cell_range(photon_map.cell, p, radius)
     for z in range(low[2], high[2] + 1):
@@ -144,6 +155,8 @@ def gather_radiance(
                     photon = photon_map.photons[k]
                     weight, cosine = photon_weight(photon, p, ng, radius, both)
                     if weight <= 0.0 or photon_map.keys[k] != key:
+                        continue
+                    if parted and is_hidden(sight, _to(photon, p), ng, radius):
                         continue
                     found += 1
                     wi = vector(photon.direction)
@@ -163,15 +176,17 @@ def gather_radiance(
 
 @kernel
 def gather_irradiance(
-    photon_map: Row, p: Vector, ng: Vector, radius: float
+    photon_map: Row, p: Vector, ng: Vector, radius: float, sight: Table
 ) -> tuple[Vector, Vector, int]:
     """Irradiance at ``p`` on the side of ``ng`` [W/m^2].
 
-    Returns (E, E by the photons in half the area, photons counted).
+    Returns (E, E by the photons in half the area, photons counted). ``sight``: see
+    ``gather_radiance``.
     """
     r = g = b = 0.0
     r_in = g_in = b_in = 0.0
     found = 0
+    parted = sight[SECTORS] != 0.0
     radius = min(radius, largest_radius(photon_map.cell))
     low, high = cell_range(photon_map.cell, p, radius)
     for z in range(low[2], high[2] + 1):
@@ -182,6 +197,8 @@ def gather_irradiance(
                     photon = photon_map.photons[k]
                     weight, cosine = photon_weight(photon, p, ng, radius, False)
                     if weight <= 0.0 or photon_map.keys[k] != key:
+                        continue
+                    if parted and is_hidden(sight, _to(photon, p), ng, radius):
                         continue
                     found += 1
                     inner = cosine * max(0.0, 2.0 * weight - 1.0)

@@ -9,6 +9,7 @@ from photon_map.core.bsdf.dispatch import DIFFUSE
 from photon_map.core.photon_pass import Batch, trace_batch
 from photon_map.core.photons.gather import gather_radiance
 from photon_map.core.photons.photon_map import build_photon_map
+from photon_map.core.photons.sight import SIGHT
 from photon_map.core.prepared import prepare
 from photon_map.core.scene.builder import SceneBuilder, diffuse
 from photon_map.tests import scenes
@@ -45,7 +46,7 @@ def test_photons_have_the_closed_form_density():
             row = [
                 gather_radiance(
                     photon_map, (x, y, z), up, up, up, 0.2, prepared.materials[0],
-                    prepared.lobes,
+                    prepared.lobes, np.zeros(SIGHT),
                 )[0][0]
                 for x, y in points
             ]  # fmt: skip

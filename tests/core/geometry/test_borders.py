@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from photon_map.core.geometry.borders import border_sides, borders_of
-from photon_map.core.geometry.intersector import Intersector
+from photon_map.core.geometry.borders import border_sides, places
 from photon_map.tests import scenes
-from photon_map.tests.meshes import joined, mesh_of
+from photon_map.tests.meshes import all_borders, joined, mesh_of
 
 
 def found(mesh, longest=100.0, most=10_000):
-    return borders_of(mesh, np.ones(len(mesh.faces), bool), Intersector(mesh), longest, most)
+    return all_borders(mesh, longest, most)
 
 
 def lengths(borders):
@@ -30,7 +29,7 @@ def test_a_fine_ball_has_none_and_a_sheet_has_its_rim():
     empty = mesh_of(np.zeros((0, 3)), np.zeros((0, 3)))
     assert len(found(empty).gap) == 0
     plane = mesh_of(*scenes.plane(1.0))
-    none = borders_of(plane, np.zeros(2, bool), Intersector(plane), 1.0, 100)
+    none = all_borders(plane, 1.0, 100, holds=[False, False])
     assert len(none.gap) == 0, "faces that hold no photons have no borders"
 
 
@@ -51,7 +50,8 @@ def test_faces_with_corners_of_their_own_are_neighbours_all_the_same():
 def test_a_wall_ends_on_the_floor_that_goes_on_below_it():
     vertices = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1)]
     faces = [(0, 1, 2), (1, 0, 3), (0, 1, 4)]
-    face, side = border_sides(mesh_of(vertices, faces), np.arange(3))
+    mesh = mesh_of(vertices, faces)
+    face, side = border_sides(mesh, places(mesh), np.arange(3))
     shared = side == 0  # all three faces begin with the shared edge
     assert face[shared].tolist() == [2]
 

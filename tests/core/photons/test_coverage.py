@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from photon_map.core.geometry.borders import Borders, borders_of
+from photon_map.core.geometry.borders import Borders
 from photon_map.core.geometry.intersector import Intersector
 from photon_map.core.photons.coverage import (
     LEAST_SHARE,
@@ -18,14 +18,13 @@ from photon_map.core.photons.coverage import (
     share_beyond,
 )
 from photon_map.tests import scenes
-from photon_map.tests.meshes import joined, mesh_of
+from photon_map.tests.meshes import all_borders, joined, mesh_of
 
 UP = (0.0, 0.0, 1.0)
 
 
 def grid_of(mesh, radius):
-    holds = np.ones(len(mesh.faces), bool)
-    return border_grid(borders_of(mesh, holds, Intersector(mesh), radius, 10**6), radius)
+    return border_grid(all_borders(mesh, radius), radius)
 
 
 def quads(*corners):
@@ -182,7 +181,8 @@ def test_an_even_fold_counts_up_to_the_corner_of_a_smooth_one():
 def test_a_cell_of_fine_detail_is_left_without():
     ends = np.random.default_rng(2).uniform(0.9, 1.1, (MOST_IN_CELL + 1, 2, 3))
     normal = np.broadcast_to(np.array(UP), (len(ends), 3))
-    borders = Borders(ends, np.ascontiguousarray(normal), np.full(len(ends), np.inf))
+    both = np.zeros(len(ends), np.int8)
+    borders = Borders(ends, np.ascontiguousarray(normal), np.full(len(ends), np.inf), both)
     grid = border_grid(borders, 0.5)
     assert np.unique(grid.keys, return_counts=True)[1].max(initial=0) <= MOST_IN_CELL
     assert coverage(grid, (1.0, 1.0, 1.0), UP, True, 0.5) == 1.0

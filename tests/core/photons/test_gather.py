@@ -13,10 +13,13 @@ from photon_map.core.photons.gather import (
     largest_radius,
 )
 from photon_map.core.photons.photon_map import build_photon_map
+from photon_map.core.photons.sight import SIGHT
 from photon_map.core.photons.trace import PHOTON, Walk
 from photon_map.core.scene.builder import SceneBuilder, diffuse, phong
 from photon_map.tests.statistics import same_means
 
+#: Nothing runs through the disc.
+ALL = np.zeros(SIGHT)
 UP = (0.0, 0.0, 1.0)
 WO = (0.6, 0.0, 0.8)
 
@@ -85,7 +88,7 @@ def test_grid_finds_what_the_tree_finds(ratio, offset, rng):
     row, lobes = material([diffuse(0.5)])
     for xy in rng.random((60, 2)) * 2.4 - 1.2 + offset:
         p = (float(xy[0]), float(xy[1]), 0.0)
-        found, inner, count = gather_radiance(grid, p, UP, UP, WO, radius, row, lobes)
+        found, inner, count = gather_radiance(grid, p, UP, UP, WO, radius, row, lobes, ALL)
         expected, number = by_tree(table, p, radius, lambert)
         assert count == number
         np.testing.assert_allclose(found, expected, rtol=1e-9)
@@ -99,7 +102,7 @@ def test_glossy_surfaces_weigh_each_photon_by_its_direction(rng):
     row, lobes = material([diffuse(0.5), phong(0.4, 5.0)])
     for xy in rng.random((40, 2)) * 2 - 1:
         p = (float(xy[0]), float(xy[1]), 0.0)
-        found, inner, _ = gather_radiance(grid, p, UP, UP, WO, 0.2, row, lobes)
+        found, inner, _ = gather_radiance(grid, p, UP, UP, WO, 0.2, row, lobes, ALL)
         expected, _ = by_tree(table, p, 0.2, glossy)
         np.testing.assert_allclose(found, expected, rtol=1e-6)
         half, _ = by_tree(table, p, 0.2 / np.sqrt(2), glossy, MOST_HEIGHT * 0.2)
@@ -111,8 +114,8 @@ def test_a_radius_beyond_the_grids_reach_is_cut(rng):
     grid = photon_map(table, 0.05)
     row, lobes = material([diffuse(0.5)])
     most = largest_radius(0.05)
-    cut = gather_radiance(grid, (0.1, 0.0, 0.0), UP, UP, WO, 10.0, row, lobes)
-    assert cut == gather_radiance(grid, (0.1, 0.0, 0.0), UP, UP, WO, most, row, lobes)
+    cut = gather_radiance(grid, (0.1, 0.0, 0.0), UP, UP, WO, 10.0, row, lobes, ALL)
+    assert cut == gather_radiance(grid, (0.1, 0.0, 0.0), UP, UP, WO, most, row, lobes, ALL)
 
 
 @pytest.mark.parametrize("count", [0, 1, 17])
@@ -120,7 +123,7 @@ def test_few_photons_and_none(count, rng):
     table = photons(rng, count, 0.01)
     grid = photon_map(table, 1.0)
     row, lobes = material([diffuse(0.5)])
-    found, _, number = gather_radiance(grid, (0.0, 0.0, 0.0), UP, UP, WO, 0.5, row, lobes)
+    found, _, number = gather_radiance(grid, (0.0, 0.0, 0.0), UP, UP, WO, 0.5, row, lobes, ALL)
     expected, known = by_tree(table, (0, 0, 0), 0.5, lambert) if count else (np.zeros(3), 0)
     assert number == known
     np.testing.assert_allclose(found, expected, rtol=1e-9)
@@ -134,8 +137,8 @@ def test_order_of_batches_changes_no_bit(rng):
     shuffled = build_photon_map([Walk(table[c], c, 0) for c in cuts], 0.2)
     whole = photon_map(table, 0.2)
     for p in ((0.0, 0.0, 0.0), (0.2, -0.1, 0.0)):
-        a = gather_radiance(whole, p, UP, UP, WO, 0.2, row, lobes)
-        assert a == gather_radiance(shuffled, p, UP, UP, WO, 0.2, row, lobes)
+        a = gather_radiance(whole, p, UP, UP, WO, 0.2, row, lobes, ALL)
+        assert a == gather_radiance(shuffled, p, UP, UP, WO, 0.2, row, lobes, ALL)
 
 
 def test_estimate_of_an_even_density_is_irradiance_times_albedo_over_pi(rng):
@@ -148,7 +151,9 @@ def test_estimate_of_an_even_density_is_irradiance_times_albedo_over_pi(rng):
         table["normal"] = table["direction"] = UP
         table["flux"] = 1 / 4000
         grid = photon_map(table, 0.2)
-        found.append(gather_radiance(grid, (0.1, 0.2, 0.0), UP, UP, WO, 0.2, row, lobes)[0][0])
+        found.append(
+            gather_radiance(grid, (0.1, 0.2, 0.0), UP, UP, WO, 0.2, row, lobes, ALL)[0][0]
+        )
     same_means(np.mean(found), np.var(found, ddof=1) / len(found), 0.25 * 0.8 / np.pi)
 
 
@@ -167,6 +172,6 @@ def test_even_light_in_a_ball_is_even_whatever_the_radius(rng):
         table["flux"] = 4 * np.pi / count
         grid = photon_map(table, 0.5)
         point = (0.0, 0.0, -1.0)
-        found.append(gather_radiance(grid, point, up, up, up, 0.5, row, lobes)[0][0])
+        found.append(gather_radiance(grid, point, up, up, up, 0.5, row, lobes, ALL)[0][0])
     same_means(np.mean(found), np.var(found, ddof=1) / 100, 0.5 / np.pi)
     assert np.std(found, ddof=1) < 0.1 * 0.5 / np.pi, "the test would see nothing"
