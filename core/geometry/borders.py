@@ -29,6 +29,8 @@ _MOST_STEPS = 4096
 #: How far from a border its surroundings are probed, relative to the piece, and relative to
 #: the largest coordinate, where float32 ends.
 _PROBE, _LEAST_PROBE = 0.01, 1e-5
+#: A surface goes on in the same plane when it does so to this part of the piece.
+_FLUSH = 1e-3
 #: Borders are the same when their ends agree to this part of the scene.
 _SAME = 1e-5
 #: ... and their faces lie on one side, to this cosine.
@@ -88,6 +90,9 @@ def borders_of(
     parts, own = _cut(pieces, normal, counts)
     gap = _gaps(mesh, holds, intersector, parts, own)
     walls = _walls(mesh, intersector, parts, own)
+    # What goes on in the same plane behind a wall is another room's; above it, a step.
+    size = np.linalg.norm(parts[:, 1] - parts[:, 0], axis=1)
+    gap[(walls != 0) & (gap <= _FLUSH * size)] = np.inf
     # Where all parts of a piece are alike they stay one.
     begin = np.cumsum(counts) - counts
     alike = _same(gap, begin, counts) & _same(walls, begin, counts)

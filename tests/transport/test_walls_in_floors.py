@@ -33,7 +33,7 @@ def two_rooms(x, thickness, boxes):
     return b.build()
 
 
-@pytest.mark.parametrize("thickness", [0.1, 1e-3])
+@pytest.mark.parametrize("thickness", [0.1, 1e-3, 1e-5])
 @pytest.mark.parametrize("boxes", [False, True])
 def test_no_light_comes_into_the_dark_room(thickness, boxes):
     pictures = []
