@@ -43,7 +43,10 @@ def maps_path(file: Path) -> Path:
 def maps_settings(file: Path, use: MapsUse) -> dict[str, Any]:
     """Fields of ``Settings`` for the maps beside ``file``, when there are any."""
     path = maps_path(file)
-    if use is MapsUse.IGNORE or not path.is_file():
+    if use is MapsUse.IGNORE:
+        # Nor those that the .blend's own settings name.
+        return {"photon_maps": ""}
+    if not path.is_file():
         return {}
     return {"photon_maps": str(path.resolve()), "stale_maps": use.name}
 
@@ -134,6 +137,8 @@ def bake(
         begin = time.perf_counter()
         header = core.bake(loaded.scene, loaded.settings, path, passes, show)
         seconds = time.perf_counter() - begin
+        if sys.stdout.isatty():
+            typer.echo()
     warn(*loaded.warnings)
     stored = sum(map(sum, header.stored))
     megabytes = path.stat().st_size / 1e6

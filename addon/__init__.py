@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import insight, operators, properties, ui
+from . import baking, insight, operators, properties, ui
 from .engine import PhotonMapEngine
 from .export import memory
 
@@ -18,6 +18,7 @@ def register() -> None:
     properties.register()
     operators.register()
     ui.register()
+    baking.register()
     insight.register()
     memory.register()
     bpy.utils.register_class(PhotonMapEngine)
@@ -28,6 +29,7 @@ def unregister() -> None:
     bpy.utils.unregister_class(PhotonMapEngine)
     memory.unregister()
     insight.unregister()
+    baking.unregister()
     ui.unregister()
     operators.unregister()
     properties.unregister()

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .baking import maps_settings
 from .export.scene import ExportCancelledError, export_scene
 from .export.settings import export_settings
 from .insight import remember
@@ -48,6 +49,7 @@ def render_final(engine: Any, depsgraph: Any) -> None:
         {
             "first_hit": first_hit_layers(view_layer),
             "matte_ranks": matte_ranks(view_layer),
+            **({} if engine.is_preview else maps_settings(depsgraph.scene)),
             **(job.overrides if job else {}),
         },
     )

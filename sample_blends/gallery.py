@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import textwrap
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -57,8 +58,10 @@ ONE_PASS = {"passes": 1, "gather_rays": 1}
 REPORT = (
     Section(
         "Figure 1: Fresnel's terms",
-        "The report's cuboid without and with Fresnel weighting. Without, nothing is mirrored "
-        "off its faces; with them both walls show on it. Total reflection is in both.",
+        "The report's cuboid without and with Fresnel weighting. Without (Blender's Refraction "
+        "shader) nothing is mirrored, and light that would be reflected totally ends: those "
+        "sides are black, where the report still followed it. With Fresnel's terms the sides "
+        "show both walls by total reflection, and the front a little of what is before it.",
         (
             Picture("fresnel_without", "fresnel_cuboid", "refraction alone", 1),
             Picture("fresnel_with", "fresnel_cuboid", "with Fresnel's terms", 2),
@@ -123,8 +126,9 @@ REPORT = (
     ),
     Section(
         "Index 1.52",
-        "The blue wall stands behind the camera and the green one to the right: both are seen "
-        "on the glass by Fresnel reflection. The cuboid's edges show total reflection.",
+        "The cuboid's sides show red and green by total reflection; what its front mirrors of "
+        "the blue wall behind the camera is faint. The sphere has the green wall at its rim "
+        "and its caustic beside it.",
         (
             Picture("index_cuboid", "index_152", "cuboid", 1),
             Picture("index_sphere", "index_152", "sphere", 2),
@@ -140,7 +144,7 @@ REPORT = (
 BEYOND = (
     Section("Pool", "The sun through waves.", (Picture("pool", "pool", "pool"),)),
     Section(
-        "Nephroid", "A brass ring in the sun; its cusp lies at half the radius.",
+        "Nephroid", "A brass ring in the sun: half a nephroid, its cusp at half the radius.",
         (Picture("nephroid", "nephroid_ring", "ring"),),
     ),
     Section(
@@ -191,10 +195,12 @@ def document(results: dict[str, Result], figures: str) -> str:
     text = [
         "# Gallery",
         "",
-        f"Made by `make gallery` from `sample_blends/`, {SIZE[0]}x{SIZE[1]} pixels. Below each "
-        "picture stand its passes, the seconds of rendering on two cores that did other work "
-        "too, and the error that the render stated of itself (noise and bias, of a typical "
-        "pixel; one pass alone cannot tell).",
+        fill(
+            f"Made by `make gallery` from `sample_blends/`, {SIZE[0]}x{SIZE[1]} pixels. Below "
+            "each picture stand its passes, the seconds of rendering on two cores that did "
+            "other work too (2 to 4 times what they take alone), and the error that the render "
+            "stated of itself: noise and bias of a typical pixel, which one pass cannot tell."
+        ),
         "",
         "## The report's figures",
     ]
@@ -215,7 +221,12 @@ def section_lines(section: Section, results: dict[str, Result]) -> list[str]:
     captions = " | ".join(f"{p.words}: {told(results[p.name])}" for p in shown)
     bar = "|".join("---" for _ in shown)
     table = [f"| {pictures} |", f"|{bar}|", f"| {captions} |"]
-    return ["", f"### {section.title}", "", section.words, "", *table]
+    return ["", f"### {section.title}", "", fill(section.words), "", *table]
+
+
+def fill(words: str) -> str:
+    """Lines of the usual length."""
+    return textwrap.fill(words, 96, break_on_hyphens=False)
 
 
 def told(result: Result) -> str:
@@ -230,9 +241,11 @@ def main() -> None:
     """Render what was asked for, then write the page."""
     parser = argparse.ArgumentParser(description="Render the gallery of docs/gallery.md.")
     parser.add_argument("names", nargs="*", help="pictures to render again; all without")
-    wanted = parser.parse_args().names
+    parser.add_argument("--page", action="store_true", help="make the page alone anew")
+    given = parser.parse_args()
+    wanted = ["nothing"] if given.page else given.names
     pictures = {p.name: p for section in (*REPORT, *BEYOND) for p in section.pictures}
-    unknown = set(wanted) - set(pictures) - set(gallery_figures.FIGURES)
+    unknown = set(given.names) - set(pictures) - set(gallery_figures.FIGURES)
     if unknown:
         raise SystemExit(f"no picture is called {', '.join(sorted(unknown))}")
     DOCS.mkdir(exist_ok=True)

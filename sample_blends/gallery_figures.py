@@ -20,6 +20,9 @@ ROOT = Path(__file__).parents[1]
 #: Radius of the report's caustic estimates [m].
 REPORT_RADIUS = 0.1
 NEIGHBOURS = 48
+#: So few photons that single ones are seen on the walls, and what they are scaled to.
+FEW_PHOTONS = 1500
+WRONG_BRIGHTNESS = 0.25
 BOX = Settings(passes=24, pixel_filter="BOX", filter_width=1.0)
 
 PAGE = """
@@ -32,7 +35,9 @@ light. Wherever a single photon lies, as on the walls, it is as bright as at the
 discs of that radius. The report then divided the sum by the number of caustic photons and
 scaled it by hand. Right the density estimate as it is here: flux per area of a disc that
 follows the pixel, so the focus is bright because photons are dense there; nothing is set by
-hand. The left picture has the same light elsewhere and was scaled to the same brightest place.
+hand. The left picture has 1500 caustic photons and a scale by hand, and all other light as on
+the right: what stays bright below the sphere is the lamp's spot on the ceiling, which gather
+rays see through the sphere.
 
 ### Figure 4: the lens
 
@@ -58,7 +63,7 @@ def normalisation(path: Path) -> None:
     caustics = film.resolve("caustics").astype(np.float64)
     wrong = mean_power(scene, settings, film.resolve("depth")[..., 0])
     wrong *= film.resolve("albedo")
-    wrong *= np.percentile(caustics, 99.9) / wrong.max()
+    wrong *= WRONG_BRIGHTNESS / np.percentile(wrong[wrong > 0], 90)
     both = np.concatenate([combined - caustics + wrong, combined], axis=1)
     Image.fromarray(np.rint(255 * srgb(both[::-1])).astype(np.uint8)).save(path)
 
@@ -72,7 +77,7 @@ def mean_power(scene: Scene, settings: Settings, depth: np.ndarray) -> np.ndarra
     up = y * camera.step_y + camera.bottom
     way = right[..., None] * camera.axes[0] + up[..., None] * camera.axes[1] + camera.axes[2]
     places = camera.position + prepared.centre.origin + depth[..., None] * way
-    view = view_photons(scene, replace(settings, photons_caustic=60_000))
+    view = view_photons(scene, replace(settings, photons_caustic=FEW_PHOTONS))
     view = view.only(view.caustic)
     distance, nearest = cKDTree(view.position).query(
         places.reshape(-1, 3), k=NEIGHBOURS, distance_upper_bound=REPORT_RADIUS

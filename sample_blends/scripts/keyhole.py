@@ -23,7 +23,7 @@ def build() -> None:
     common.add_room((-1.5, -2.5, 0.0), (1.5, 1.0, 2.2), walls)
     add_door(plaster)
     common.add_sphere("Ball", (0.35, -0.5, 0.3 + common.GAP), 0.3, common.glass("Glass"))
-    common.add_aimed_light("Lamp", "SPOT", (-0.6, 2.6, 2.0), (0.0, 1.0, 0.9), 2500.0, 30.0)
+    common.add_aimed_light("Lamp", "SPOT", (-0.6, 2.6, 2.0), (0.0, 1.0, 0.9), 9000.0, 30.0)
     common.add_camera((-1.0, -2.2, 1.3), (0.25, 0.2, 0.55), 26.0)
 
 

@@ -15,9 +15,9 @@ def build() -> None:
     common.add_room((-3.0, -3.0, 0.0), (3.0, 3.0, 2.0), {"floor": table}, name="Table")
     brass = common.mirror("Brass", (0.92, 0.74, 0.40))
     low = common.GAP
-    profile = [(0.55, low), (0.55, 0.16), (0.5, 0.16), (0.5, low)]
+    profile = [(0.55, low), (0.55, 0.3), (0.5, 0.3), (0.5, low)]
     common.lathe("Ring", profile, brass, segments=192, closed=True)
-    common.add_aimed_light("Sun", "SUN", (-1.5, 0.5, 1.5), (0.0, 0.0, 0.0), 4.0, 0.5)
+    common.add_aimed_light("Sun", "SUN", (-2.0, 0.6, 1.3), (0.0, 0.0, 0.0), 3.0, 0.5)
     common.add_camera((0.0, -1.6, 1.9), (0.05, 0.0, 0.05), 48.0)
 
 
