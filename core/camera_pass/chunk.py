@@ -23,7 +23,7 @@ from ..settings import Settings
 from .caustics import gather_caustics
 from .direct import add_direct, sample_direct
 from .first_hit import step_first_hits
-from .indirect import gather_indirect, start_gather
+from .indirect import gather_indirect, gather_order, start_gather
 from .paths import start_paths, step_paths
 from .records import PATH, VERTEX
 from .shadow import free_part
@@ -131,7 +131,7 @@ def trace_chunk(
         if maps.global_ is not None:
             gather_indirect(
                 far.lobes, maps.global_, maps.global_borders, maps.global_radius, far.vertices,
-                len(far.vertices), samples, np.zeros(SIGHT),
+                gather_order(maps.global_, far.vertices), samples, np.zeros(SIGHT),
             )  # fmt: skip
     first_hits = None
     if prepared.first_hits is not None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..bsdf.dispatch import WIDE, part_bit
 from ..bsdf.scatter import scatter
@@ -10,9 +13,14 @@ from ..geometry.interaction import leave
 from ..geometry.media import copy_media, cross_surface
 from ..geometry.vector import store, vector
 from ..jit import Row, Table, kernel
+from ..photons.cells import bucket_of, cell_key
+from ..photons.photon_map import PhotonMap
 from ..sampling.rng import camera_2d, mix, uniform
 from .estimate import add_estimate
 from .records import GATHER, GATHER_LOBE, GATHER_STEP
+
+#: Photons that a processor's cache holds beside the rest [bytes].
+_LARGE = 4 << 20
 
 
 @kernel
@@ -71,6 +79,32 @@ def start_gather(
     return out
 
 
+def gather_order(photon_map: PhotonMap, vertices: NDArray[np.void]) -> NDArray[np.intp]:
+    """The order to ask a photon map at ``vertices`` in: by its cells when it is large.
+
+    Final-gather rays end everywhere, so each would fetch its photons from memory again.
+    Vertices of one pixel keep the same order among themselves, however pixels are chunked.
+    """
+    if photon_map.photons.nbytes < _LARGE:
+        return np.arange(len(vertices), dtype=np.intp)
+    bucket = np.empty(len(vertices), np.int32)
+    find_vertex_buckets(photon_map.cell, len(photon_map.start) - 1, vertices, bucket)
+    return np.argsort(bucket, kind="stable")
+
+
+@kernel
+def find_vertex_buckets(cell: float, buckets: int, vertices: Table, bucket: Table) -> None:
+    """Bucket of the cell that each of ``vertices`` lies in."""
+    for k in range(len(vertices)):
+        p = vertices[k].p
+        key = cell_key(
+            int(math.floor(p[0] / cell)),
+            int(math.floor(p[1] / cell)),
+            int(math.floor(p[2] / cell)),
+        )
+        bucket[k] = bucket_of(key, buckets)
+
+
 @kernel
 def gather_indirect(
     lobes: Table,
@@ -78,7 +112,7 @@ def gather_indirect(
     borders: Row,
     radius: float,
     vertices: Table,
-    count: int,
+    order: Table,
     samples: Table,
     sight: Table,
 ) -> None:
@@ -86,7 +120,7 @@ def gather_indirect(
 
     ``sight`` (SIGHT,) is overwritten.
     """
-    for k in range(count):
+    for k in order:
         vertex = vertices[k]
         sample = samples[vertex.slot]
         add_estimate(sample.indirect, sample, vertex, lobes, photon_map, borders, radius, sight)

@@ -24,6 +24,10 @@ def cell_key(x: int, y: int, z: int) -> int:
 
 @kernel
 def bucket_of(key: int, buckets: int) -> int:
-    """Bucket of a cell in a table whose size is a power of two."""
-    h = np.uint64(key) * _X
-    return int((h >> np.uint64(32)) & np.uint64(buckets - 1))
+    """Bucket of a cell in a table whose size is a power of two.
+
+    Rows of cells along x lie in one piece of memory, each row somewhere else.
+    """
+    row = (np.uint64(key) >> np.uint64(_SHIFT)) * _X
+    x = np.uint64(key) & np.uint64((1 << _SHIFT) - 1)
+    return int(((row >> np.uint64(32)) + x) & np.uint64(buckets - 1))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from photon_map.core import Settings, render
+from photon_map.core.camera_pass import indirect
 from photon_map.core.film.film import Film
 from photon_map.core.scene.builder import SceneBuilder, diffuse
 from photon_map.core.scene.scene import SceneError
@@ -33,6 +34,17 @@ BASE = Settings(passes=5, threads=1, photons_global=3000, photons_caustic=3000)
 @pytest.mark.parametrize("other", [{"threads": 2}, {"threads": 3, "chunk_size": 37}])
 def test_threads_and_chunks_change_no_bit(other):
     same(film_of(BASE), film_of(replace(BASE, **other)))
+
+
+def test_asking_a_large_map_in_the_order_of_its_cells_changes_no_bit_by_chunks(monkeypatch):
+    scene = scenes.cornell_glass(12, smooth=True)
+    in_order_of_pixels = film_of(BASE, scene)
+    monkeypatch.setattr(indirect, "_LARGE", 0)
+    by_cells = film_of(BASE, scene)
+    same(by_cells, film_of(replace(BASE, threads=3, chunk_size=37), scene))
+    np.testing.assert_allclose(
+        by_cells.resolve("indirect"), in_order_of_pixels.resolve("indirect"), rtol=1e-6
+    )
 
 
 def test_the_seed_changes_the_picture():
