@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .baking import maps_settings
+from .denoise import GUIDES, DenoiseError, denoise, is_available
 from .export.scene import ExportCancelledError, export_scene
 from .export.settings import export_settings
 from .insight import remember
@@ -47,7 +48,7 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     settings = export_settings(
         depsgraph.scene_eval,
         {
-            "first_hit": first_hit_layers(view_layer),
+            "first_hit": _first_hit_layers(depsgraph.scene_eval, view_layer),
             "matte_ranks": matte_ranks(view_layer),
             **({} if engine.is_preview else maps_settings(depsgraph.scene)),
             **(job.overrides if job else {}),
@@ -68,12 +69,34 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     if last is None or last.passes == 0:
         write_nothing(engine, view_layer)
         return
-    write_film(engine, last.film, view_layer)
+    write_film(engine, last.film, view_layer, _denoised(engine, depsgraph, last.film, settings))
     write_stamps(engine, {**matte_stamps(view_layer, scene), **render_stamps(layer, last)})
     if not engine.is_preview:
         remember(depsgraph.scene, last.plan, log.messages, result_line(last))
     bad = last.film.statistics.non_finite
     tell(engine, [f"{bad} samples were not finite and are black"] if bad else [])
+
+
+def _first_hit_layers(scene: Any, view_layer: Any) -> tuple[str, ...]:
+    """What the passes and the denoiser ask for beside the light."""
+    guides = GUIDES if scene.photon_map.use_denoise and is_available() else ()
+    return tuple(dict.fromkeys((*first_hit_layers(view_layer), *guides)))
+
+
+def _denoised(
+    engine: Any, depsgraph: Any, film: Film, settings: Settings
+) -> NDArray[np.float32] | None:
+    """The picture without noise where the user wants it and Blender can do it."""
+    if not depsgraph.scene_eval.photon_map.use_denoise or engine.is_preview:
+        return None
+    try:
+        if set(GUIDES) - set(settings.first_hit):
+            raise DenoiseError("this Blender was built without Open Image Denoise")
+        engine.update_stats("", "Denoising")
+        return denoise(film, settings.thread_count)
+    except DenoiseError as error:
+        tell(engine, [f"the image is not denoised: {error}"])
+        return None
 
 
 def stopped(engine: Any) -> bool:
@@ -144,8 +167,13 @@ def write_stamps(engine: Any, stamps: Mapping[str, str]) -> None:
         result.stamp_data_add_field(key, text)
 
 
-def write_film(engine: Any, film: Film, view_layer: Any) -> None:
-    """Copy the film into the render result; the film's first row is Blender's, the lowest."""
+def write_film(
+    engine: Any, film: Film, view_layer: Any, denoised: NDArray[np.float32] | None = None
+) -> None:
+    """Copy the film into the render result; the film's first row is Blender's, the lowest.
+
+    ``denoised`` (h, w, 4) takes the place of Combined.
+    """
     result = engine.begin_result(0, 0, film.width, film.height, layer=view_layer.name)
     try:
         if not result.layers:  # the layer was disabled meanwhile
@@ -158,7 +186,10 @@ def write_film(engine: Any, film: Film, view_layer: Any) -> None:
                 continue
             if entry.layer not in resolved:
                 resolved[entry.layer] = film.resolve(entry.layer)
-            part = resolved[entry.layer][..., entry.first : entry.first + len(entry.channels)]
+            whole = resolved[entry.layer]
+            if entry.name == "Combined" and denoised is not None:
+                whole = denoised
+            part = whole[..., entry.first : entry.first + len(entry.channels)]
             pixels = np.ascontiguousarray(part, dtype=np.float32)
             target.rect.foreach_set(pixels.ravel())
     finally:

@@ -62,6 +62,9 @@ PASSES: tuple[RenderPass, ...] = (
     RenderPass("caustics", "Caustics", "Caustics", "RGB", "COLOR", "pm.use_pass_caustics"),
     RenderPass("error", "Error", "Error", "X", "VALUE", "pm.use_pass_error"),
     RenderPass(
+        "combined", "Noisy Image", "Noisy Image", "RGBA", "COLOR", "pm.use_pass_denoising"
+    ),
+    RenderPass(
         "end_albedo", "Denoising Albedo", "Denoising Albedo", "RGB", "COLOR",
         "pm.use_pass_denoising",
     ),

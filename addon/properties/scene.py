@@ -136,6 +136,12 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
         min=0,
         max=2**31 - 1,
     )
+    use_denoise: BoolProperty(  # type: ignore[valid-type]
+        name="Denoise",
+        description="Take the noise off the finished image with Open Image Denoise, which "
+        "comes with Blender. Caustics stay as they are: sharp, with what noise they have",
+        default=False,
+    )
     exposure: FloatProperty(  # type: ignore[valid-type]
         name="Exposure",
         description="Factor on the light in the image and its passes",

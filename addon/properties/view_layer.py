@@ -24,7 +24,7 @@ class PhotonMapViewLayerProperties(bpy.types.PropertyGroup):
         name="Denoising Data",
         description=(
             "Colour, normal and depth of what is seen through mirrors and clear glass, for the "
-            "Denoise node: three passes"
+            "Denoise node, and the image as it is without denoising: four passes"
         ),
         default=False,
         update=_passes_changed,

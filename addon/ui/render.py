@@ -30,6 +30,8 @@ class PHOTONMAP_RENDER_PT_sampling(RenderPanel, bpy.types.Panel):
         column.prop(settings, "seconds")
         column.prop(settings, "error_goal")
         column.separator()
+        column.prop(settings, "use_denoise")
+        column.separator()
         column.prop(settings, "viewport_passes")
         column.prop(settings, "seed")
 

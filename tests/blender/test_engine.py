@@ -46,6 +46,7 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
             "Normal",
             "Caustics",
             "Denoising Albedo",
+            "Noisy Image",
             "Denoising Normal",
             "Denoising Depth",
             "Error",
@@ -71,9 +72,9 @@ def test_the_unfinished_image_is_shown(
     written: list[int] = []
     real = final.write_film
 
-    def write(engine: Any, film: Any, view_layer: Any) -> None:
+    def write(engine: Any, film: Any, view_layer: Any, denoised: Any = None) -> None:
         written.append(film.passes)
-        real(engine, film, view_layer)
+        real(engine, film, view_layer, denoised)
 
     monkeypatch.setattr(final, "watched", lambda: True)
     monkeypatch.setattr(final, "REDRAW_INTERVAL", 0.0)
