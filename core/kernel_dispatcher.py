@@ -7,7 +7,8 @@ a kernel calls stays LLVM code, and one that Python calls takes in all that it n
 once, and is optimised, made into machine code and written to the cache alone.
 
 Uses Numba's inner classes; its version is pinned. What holds outwards: any Numba function
-may call a kernel, and a kernel any Numba function.
+may call a kernel, and a kernel any Numba function; who listens to Numba's events hears of
+each function that is compiled.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags, compile
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager
 from numba.core.dispatcher import OmittedArg
+from numba.core.event import trigger_event
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 from numba.core.types.misc import Omitted, unliteral
@@ -204,14 +206,16 @@ class KernelDispatcher(CPUDispatcher):
         flags.no_cpython_wrapper = flags.no_compile = library_class is _Part
         library = library_class(self.targetctx.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
-        return compile_extra(
-            self.typingctx,
-            self.targetctx,
-            self.py_func,
-            args=kinds,
-            return_type=None,
-            flags=flags,
-            locals={},
-            library=library,
-            pipeline_class=_KernelCompiler,
-        )
+        details = {"dispatcher": self, "args": kinds, "return_type": None}
+        with trigger_event("numba:compile", data=details):
+            return compile_extra(
+                self.typingctx,
+                self.targetctx,
+                self.py_func,
+                args=kinds,
+                return_type=None,
+                flags=flags,
+                locals={},
+                library=library,
+                pipeline_class=_KernelCompiler,
+            )

@@ -8,6 +8,7 @@ import textwrap
 
 import numpy as np
 from numba import njit
+from numba.core import event
 
 from photon_map.core import jit
 from photon_map.core.jit import fingerprint, kernel
@@ -122,3 +123,18 @@ def test_only_what_python_calls_is_written_to_the_cache(tmp_path):
     )
     run(sources, cache)
     assert [path.name.split(".")[1] for path in cache.rglob("*.nbc")] == ["twice-3"]
+
+
+def test_each_compiled_function_is_told():
+    @kernel
+    def inner(x):
+        return x + 1
+
+    @kernel
+    def outer(x):
+        return inner(x) + 1
+
+    with event.install_recorder("numba:compile") as recorder:
+        outer(1)
+    told = [e.data["dispatcher"] for _, e in recorder.buffer if e.is_start]
+    assert told == [outer, inner]
