@@ -59,7 +59,8 @@ builder.add_mesh("floor", corners, [(0, 1, 2), (0, 2, 3)], velvet)
 builder.add_point_light("lamp", (3.0, 0.0, 2.0), 5.0)
 matrix = np.eye(4)
 matrix[2, 3] = 4.0
-builder.set_camera(CameraData(width=3, height=3, matrix=matrix, lens=3600.0))
+# So far a lens that all pixels look at one place.
+builder.set_camera(CameraData(width=3, height=3, matrix=matrix, lens=360000.0))
 settings = Settings(passes=4, photons_global=0, pixel_filter="BOX")
 *_, last = render(builder.build(), settings)
 # Seen from straight above, 2 m below the lamp and 3 m beside it.
