@@ -63,6 +63,28 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
     assert image["ViewLayer.Error"][3, 4] == pytest.approx([0.01])
 
 
+def test_the_file_says_what_it_took(bpy: Any, core: Any, tmp_path: Path) -> None:
+    """Each view layer has its own numbers."""
+    import OpenEXR
+
+    bpy.context.scene.view_layers.new("Second")
+    save_exr(bpy, tmp_path / "a.exr")
+    headless_render(bpy)
+    with OpenEXR.File(str(tmp_path / "a.exr")) as file:
+        header = dict(file.parts[0].header)
+    for layer in ("ViewLayer", "Second"):
+        said = {
+            key.removeprefix(f"photon_map.{layer}."): value
+            for key, value in header.items()
+            if key.startswith(f"photon_map.{layer}.")
+        }
+        assert float(said.pop("peak_megabytes")) > 10
+        assert said == {
+            "passes": "4", "seconds": "1.00", "rays": "1500000", "photons": "1000",
+            "film_megabytes": "1.0", "relative_error": "0.500000",
+        }  # fmt: skip
+
+
 def test_the_unfinished_image_is_shown(
     bpy: Any, core: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
