@@ -16,8 +16,8 @@ class Case:
     ``passes`` of ours and ``samples`` of Cycles are those of one seed; ``photons`` of each
     kind a pass, -1: the engine's own choice. ``deviation`` says in what Cycles is not the
     judge here; then ``truth`` gives the image's mean (one number, or one a channel) by a
-    closed form or by ``core/reference``, as ``proof`` says, or the text has the proof and
-    blocks may differ while the means still have to agree.
+    closed form, or the text has the proof and blocks may differ while the means still have
+    to agree.
     ``fine`` are warnings of the export that take nothing from the scene.
     """
 
@@ -31,7 +31,6 @@ class Case:
     quick: bool = False
     deviation: str = ""
     truth: Callable[[], Any] | None = None
-    proof: str = "closed form"
     fine: tuple[str, ...] = ()
 
 

@@ -101,7 +101,7 @@ def against_truth(
     ours, theirs = (images[name].mean(axis=(0, 1, 2)) / truth - 1 for name in ENGINES)
     means = " ".join(f"{x:.4f}" for x in np.ravel(truth))
     why = (
-        f"{case.proof} {means}, ours {100 * np.abs(ours).max():.2f} % off, Cycles "
+        f"closed form {means}, ours {100 * np.abs(ours).max():.2f} % off, Cycles "
         f"{100 * np.abs(theirs).max():.2f} %: {case.deviation}"
     )
     state = "differs" if np.abs(ours).max() <= MEAN else "fail"

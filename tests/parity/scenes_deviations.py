@@ -89,3 +89,20 @@ def sun_through_pane(stage: Any) -> None:
     body = stage.material("BsdfGlass", Color=(1.0, 1.0, 1.0), Roughness=0.0, IOR=GLASS)
     slab(stage, body, 6.0, 6.2, 2.0)
     stage.lamp("SUN", (0.0, 0.0, 9.0), energy=1.0, angle=0.0)
+
+
+def white() -> float:
+    """Whatever neither swallows light nor adds any is not to be told from its surroundings."""
+    return 1.0
+
+
+@case(
+    "clear rough glass with multiple scattering in a white furnace",
+    passes=64, samples=256, truth=white,
+    deviation="Cycles' tables give back less than single scattering loses",
+)  # fmt: skip
+def multiscatter_furnace(stage: Any) -> None:
+    stage.camera((0.0, -4.5, 1.0), (0.0, 0.0, 0.0))
+    stage.world((1.0, 1.0, 1.0))
+    glass = {"Color": (1.0, 1.0, 1.0), "Roughness": 0.6, "IOR": 1.5}
+    stage.ball(stage.material("BsdfGlass", distribution="MULTI_GGX", **glass))

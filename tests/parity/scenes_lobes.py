@@ -101,28 +101,35 @@ def glass_rough(stage: Any) -> None:
     ball(stage, "BsdfGlass", Color=(1.0, 1.0, 1.0), Roughness=0.2, IOR=1.5, distribution="GGX")
 
 
-def of_very_rough_glass() -> tuple[float, float, float]:
-    """``core/reference`` on the exported scene, 3000 paths a pixel: 0.1 % at one sigma."""
-    return 0.1444, 0.1783, 0.2119
+def found_by_chance(stage: Any) -> None:
+    """Let Cycles find glowing meshes by chance only: its light sampling errs in rough glass.
+
+    ``glass_very_rough`` in Blender 5.0, light sampling on: 0.1472 0.1797 0.2129; off: 0.1445
+    0.1783 0.2119, each to 0.02 %. ``core/reference`` has 0.1444 0.1783 0.2119 to 0.1 %.
+    """
+    for material in stage.materials():
+        material.cycles.emission_sampling = "NONE"
 
 
 @case(
-    "very rough glass ball, roughness 0.6, GGX",
-    samples=128, truth=of_very_rough_glass, proof="reference",
-    deviation="the reference, which draws facet by facet, agrees with ours in every block of "
-    "pixels (0.6 % at most, errors of 0.3 to 2 %); Cycles is 7 % brighter than both in the "
-    "middle of the ball, why is not known",
+    "very rough glass ball, roughness 0.6, GGX; Cycles without light sampling",
+    passes=64, samples=512,
 )  # fmt: skip
 def glass_very_rough(stage: Any) -> None:
     ball(stage, "BsdfGlass", Color=(1.0, 0.9, 0.8), Roughness=0.6, IOR=1.3, distribution="GGX")
+    found_by_chance(stage)
 
 
-@case("rough glass with multiple scattering, roughness 0.6", samples=128)
+@case(
+    "rough glass with multiple scattering, roughness 0.6; Cycles without light sampling",
+    passes=64, samples=512,
+)  # fmt: skip
 def glass_multiscatter(stage: Any) -> None:
     ball(
         stage, "BsdfGlass", Color=(1.0, 0.9, 0.8), Roughness=0.6, IOR=1.5,
         distribution="MULTI_GGX",
     )  # fmt: skip
+    found_by_chance(stage)
 
 
 @case("refraction alone, smooth")

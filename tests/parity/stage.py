@@ -73,6 +73,10 @@ class Stage:
         obj.visible_camera = False
         return obj
 
+    def materials(self) -> Any:
+        """All materials so far."""
+        return bpy.data.materials
+
     def mesh(self, name: str, vertices: Any, faces: Any, *materials: Any) -> Any:
         mesh = bpy.data.meshes.new(name)
         mesh.from_pydata([tuple(map(float, v)) for v in vertices], [], faces)
