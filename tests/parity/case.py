@@ -18,6 +18,7 @@ class Case:
     judge here; then ``truth`` gives the image's mean (one number, or one a channel) by a
     closed form, or the text has the proof and blocks may differ while the means still have
     to agree.
+    ``loses`` is the part of the mean that Cycles lacks, measured in a scene with a closed form.
     ``fine`` are warnings of the export that take nothing from the scene.
     """
 
@@ -31,6 +32,7 @@ class Case:
     quick: bool = False
     deviation: str = ""
     truth: Callable[[], Any] | None = None
+    loses: float = 0.0
     fine: tuple[str, ...] = ()
 
 

@@ -87,7 +87,7 @@ def judge(out: Path, name: str) -> Verdict:
         return Verdict(**{**vars(verdict), "state": "unsupported", "why": "; ".join(missing)})
     if case.truth is not None:
         return against_truth(case, verdict, images, case.truth())
-    slight = max(map(abs, verdict.difference)) <= MEAN
+    slight = all(-MEAN <= d <= MEAN + case.loses for d in verdict.difference)
     if verdict.state == "fail" and case.deviation and slight:
         why = f"{verdict.why}: {case.deviation}"
         return Verdict(**{**vars(verdict), "state": "differs", "why": why})

@@ -122,7 +122,9 @@ def glass_very_rough(stage: Any) -> None:
 
 @case(
     "rough glass with multiple scattering, roughness 0.6; Cycles without light sampling",
-    passes=64, samples=512,
+    passes=64, samples=512, loses=0.006,
+    deviation="Cycles loses 0.6 % of the mean of such a ball in a white furnace "
+    "(multiscatter_furnace), so ours may be brighter by that much more",
 )  # fmt: skip
 def glass_multiscatter(stage: Any) -> None:
     ball(
