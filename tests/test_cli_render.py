@@ -162,7 +162,10 @@ def test_plan_of_a_saved_scene(tmp_path: Path):
     saved(tmp_path / "box.npz", cornell_glass(8))
     done = run(tmp_path, "plan", "box.npz")
     assert done.returncode == 0, done.stderr
-    rows = [re.fullmatch(r"(\S+) +(on |off)  (.+)", line) for line in done.stdout.splitlines()]
+    rows = [
+        re.fullmatch(r"(\w+(?: \w+)?) +(on |off)  (.+)", line)
+        for line in done.stdout.splitlines()
+    ]
     assert all(rows)
     assert {row[1] for row in rows if row and row[2] == "on "} >= {"direct", "caustics"}
 
