@@ -26,9 +26,10 @@ def test_error_against_the_closed_form_falls_with_the_passes(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", BY_NAME)
 def test_no_closed_form_is_missed_by_more_than_half_a_percent(name):
-    result = BY_NAME[name].measure(256, caustic_radius=0.5)
+    result = BY_NAME[name].measure(256)
     assert abs(result.mean_error) < 0.003 + EDGE.get(name, 0.0)
-    assert result.error < 0.05
+    # Of edges and cusps, where the light is infinite, a pixel's width of disc is left.
+    assert result.error < (0.06 if name in EDGE else 0.05)
 
 
 def test_the_nephroids_cusp_lies_half_way_to_the_mirror():
