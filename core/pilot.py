@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from .camera_pass.caustics import footprints
 from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather, wide_only
 from .film.film import SAMPLE
-from .geometry.borders import border_sides, borders_of, joined, no_borders, places, short
-from .geometry.crossings import bodies, crossings
+from .geometry.borders import border_sides, borders_of, joined, no_borders, short
+from .geometry.crossings import crossings
+from .geometry.surfaces import Surfaces
 from .photons.coverage import MOST_PIECES, BorderGrid, border_grid
 from .photons.shadow import ShadowMap
 from .prepared import Prepared
@@ -83,10 +84,9 @@ def _borders(prepared: Prepared, radii: list[float]) -> list[BorderGrid]:
     if len(mesh.faces) == 0:
         return [border_grid(no_borders(), 1.0)] * len(radii)
     holds = prepared.receivers[mesh.material]
-    place = places(mesh)
-    body = bodies(place, prepared.face_object)
-    met = crossings(mesh, place, body, holds, intersector, radii[-1])
-    sides = border_sides(mesh, place, np.flatnonzero(holds))
+    surfaces = Surfaces(mesh, prepared.face_object)
+    met = crossings(surfaces, holds, intersector, radii[-1])
+    sides = border_sides(surfaces, holds)
     grids = []
     for radius in radii:
         ends = borders_of(mesh, sides, holds, intersector, radius, MOST_PIECES)

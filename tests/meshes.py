@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from photon_map.core.geometry.borders import Borders, border_sides, borders_of, places
+from photon_map.core.geometry.borders import Borders, border_sides, borders_of
 from photon_map.core.geometry.intersector import Intersector
 from photon_map.core.geometry.mesh import Mesh
+from photon_map.core.geometry.surfaces import Surfaces
 
 
 def mesh_of(vertices: ArrayLike, faces: ArrayLike) -> Mesh:
@@ -38,5 +41,11 @@ def all_borders(
 ) -> Borders:
     """``borders_of`` of the faces that ``holds``: all of them when it is None."""
     chosen = np.ones(len(mesh.faces), np.bool_) if holds is None else np.asarray(holds, bool)
-    sides = border_sides(mesh, places(mesh), np.flatnonzero(chosen))
+    sides = border_sides(surfaces_of(mesh), chosen)
     return borders_of(mesh, sides, chosen, Intersector(mesh), longest, most)
+
+
+def surfaces_of(mesh: Mesh, parts: Sequence[int] = ()) -> Surfaces:
+    """``Surfaces`` of objects of ``parts`` faces each: of one object when there are none."""
+    counts = list(parts) or [len(mesh.faces)]
+    return Surfaces(mesh, np.repeat(np.arange(len(counts), dtype=np.int32), counts))

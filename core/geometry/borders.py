@@ -7,14 +7,18 @@ desk around a sheet of paper, a wall built of tiles.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .intersector import Intersector
 from .mesh import Mesh
+from .surfaces import Surfaces
 from .triangles import Floats, normals_and_areas
+
+#: Faces and their sides (B,) each.
+Sides: TypeAlias = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 #: Bits of ``Borders.parts``.
 ABOVE, BELOW, CROSSING = 1, 2, 4
@@ -59,7 +63,7 @@ def no_borders() -> Borders:
 
 def borders_of(
     mesh: Mesh,
-    sides: tuple[NDArray[np.intp], NDArray[np.intp]],
+    sides: Sides,
     holds: NDArray[np.bool_],
     intersector: Intersector,
     longest: float,
@@ -139,56 +143,26 @@ def _cut(ends: Floats, normal: Floats, steps: NDArray[np.int64]) -> tuple[Floats
     return ends[edge, :1] * (1 - t) + ends[edge, 1:] * t, normal[edge]
 
 
-def border_sides(
-    mesh: Mesh, place: NDArray[np.int64], chosen: NDArray[np.intp]
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Faces and sides (B,) from which none of the ``chosen`` faces goes on; side k starts at k.
+def border_sides(surfaces: Surfaces, chosen: NDArray[np.bool_]) -> Sides:
+    """Faces and sides (B,) from which none of the ``chosen`` (F,) faces goes on.
 
-    Faces of different objects, or flat ones, may have corners of their own at one place.
+    Side k starts at corner k. Faces of different objects, or flat ones, may have corners of
+    their own at one place.
     """
-    if len(chosen) == 0:
-        return np.zeros(0, np.intp), np.zeros(0, np.intp)
-    corner = place[chosen]
-    inward = _inward(mesh.vertices[mesh.faces[chosen]].astype(np.float64)).reshape(-1, 3)
-    first, second = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
-    key = np.minimum(first, second) * (corner.max() + 1) + np.maximum(first, second)
-    order = np.argsort(key, kind="stable")
-    ends = np.ones(len(key), np.bool_)
-    for step in range(1, min(_FAN, len(key))):
-        same = np.flatnonzero(key[order[:-step]] == key[order[step:]])
-        if len(same) == 0:
+    order = surfaces.edges.sides
+    order = order[chosen[order // 3]]
+    edge = surfaces.edges.of.ravel()[order]
+    inward = surfaces.inward(order)
+    ends = np.ones(len(order), np.bool_)
+    for step in range(1, min(_FAN, len(order))):
+        a = np.flatnonzero(edge[:-step] == edge[step:])
+        if len(a) == 0:
             break
-        a, b = order[same], order[same + step]
+        b = a + step
         on = (inward[a] * inward[b]).sum(axis=1) < -SMOOTH_COSINE
         ends[a[on]] = ends[b[on]] = False
-    side = np.flatnonzero(ends)
-    return chosen[side // 3], side % 3
-
-
-def places(mesh: Mesh) -> NDArray[np.int64]:
-    """A number (F, 3) for the place of each corner: those at one place share it."""
-    vertices = mesh.vertices
-    # Sorted by one mixed number: 4 times as fast as by three coordinates. Those that have it
-    # by chance alone stay apart. Adding 0 makes -0 the same place as 0.
-    bits = (vertices + np.float32(0)).view(np.uint32).astype(np.uint64)
-    mixed = np.zeros(len(bits), np.uint64)
-    for k in range(3):
-        mixed = (mixed ^ bits[:, k]) * np.uint64(0x9E3779B97F4A7C15)
-        mixed ^= mixed >> np.uint64(29)
-    order = np.argsort(mixed)
-    new = np.ones(len(order), np.int64)
-    new[1:] = (vertices[order[1:]] != vertices[order[:-1]]).any(axis=1)
-    place = np.zeros(len(order), np.int64)
-    place[order] = np.cumsum(new) - 1
-    return place[mesh.faces]
-
-
-def _inward(corners: Floats) -> Floats:
-    """Unit vectors (F, 3, 3) in each face's plane, from each of its sides inwards."""
-    side = np.roll(corners, -1, axis=1) - corners
-    way = np.cross(normals_and_areas(corners)[0][:, None], side)
-    unit: Floats = way / np.maximum(np.linalg.norm(way, axis=2, keepdims=True), 1e-300)
-    return unit
+    side = np.sort(order[ends])
+    return side // 3, side % 3
 
 
 def _first_of_each(ends: Floats, normal: Floats, step: float) -> NDArray[np.bool_]:

@@ -2,24 +2,19 @@
 
 A post that stands on a floor or cuts through it, a wall that reaches below the ground: the
 floor goes on inside of the post, where no light comes, and beyond the wall, where other light
-does. What meets is found by rays along all
-edges; where it meets is worked out from both triangles (Moeller 1997, "A fast
-triangle-triangle intersection test").
+does. What meets is found by rays along all edges; where it meets is worked out from both
+triangles (Moeller 1997, "A fast triangle-triangle intersection test").
 """
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .borders import ABOVE, BELOW, CROSSING, SMOOTH_COSINE, Borders
 from .intersector import Intersector
-from .mesh import Mesh
-from .triangles import Floats, normals_and_areas
-
-Indices = NDArray[np.intp]
+from .surfaces import Edges, Indices, Surfaces
+from .triangles import Floats
 
 #: Surfaces meet when they are apart by this part of the scene, where float32 ends, ...
 _SAME = 1e-5
@@ -35,80 +30,26 @@ _MOST_AT_EDGE = 6
 _MOST_BOXES = 64
 
 
-class _Edges(NamedTuple):
-    """Sides of faces by place.
-
-    first, second (E,): vertices; ``of`` (F, 3): the edge of each side; ``faces`` (3F,) in
-    the order of their edges, those of edge e from ``start[e]`` to ``start[e + 1]``.
-    """
-
-    first: Indices
-    second: Indices
-    of: Indices
-    faces: Indices
-    start: Indices
-
-
 def crossings(
-    mesh: Mesh,
-    place: NDArray[np.int64],
-    body: NDArray[np.int32],
-    holds: NDArray[np.bool_],
-    intersector: Intersector,
-    radius: float,
+    surfaces: Surfaces, holds: NDArray[np.bool_], intersector: Intersector, radius: float
 ) -> Borders:
-    """Where faces that ``holds`` (F,) go on beyond another one, for discs of ``radius`` [m].
-
-    ``place`` (F, 3) of each corner, see ``places``; ``body`` (F,), see ``bodies``.
-    """
-    corners = mesh.vertices[mesh.faces].astype(np.float64)
-    edges = _edges(mesh.faces, place)
-    chosen = _near_others(corners, body, edges, _NEAR * radius)
-    edge, met = _met(mesh, edges, chosen, intersector, radius)
-    face, other = _pairs(edges, edge, met, place, body)
+    """Where faces that ``holds`` (F,) go on beyond another one, for discs of ``radius`` [m]."""
+    chosen = _near_others(surfaces, _NEAR * radius)
+    edge, met = _met(surfaces, chosen, intersector, radius)
+    face, other = _pairs(surfaces, edge, met)
     kept = holds[face]
-    return _segments(mesh, corners, edges, face[kept], other[kept], radius)
+    return _segments(surfaces, face[kept], other[kept], radius)
 
 
-def bodies(place: NDArray[np.int64], face_object: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Number (F,) of the connected part of an object that each face belongs to.
-
-    Connected are faces that share the ``place`` (F, 3) of a corner.
-    """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    count = int(place.max(initial=0)) + 1
-    a, b = place[:, [0, 1]].ravel(), place[:, [1, 2]].ravel()
-    graph = coo_array((np.ones(len(a), np.int8), (a, b)), shape=(count, count))
-    part = connected_components(graph, directed=False)[1]
-    key = face_object * np.int64(count) + part[place[:, 0]]
-    return np.unique(key, return_inverse=True)[1].reshape(-1).astype(np.int32)
-
-
-def _edges(faces: NDArray[np.int32], place: NDArray[np.int64]) -> _Edges:
-    first, second = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    a, b = place.ravel(), np.roll(place, -1, axis=1).ravel()
-    key = np.minimum(a, b) * (int(place.max()) + 1) + np.maximum(a, b)
-    order = np.argsort(key, kind="stable")
-    begin = np.flatnonzero(np.diff(key[order], prepend=-1))
-    of = np.zeros(len(key), np.intp)
-    of[order] = np.repeat(np.arange(len(begin)), np.diff(np.append(begin, len(key))))
-    one = order[begin]
-    return _Edges(
-        first[one], second[one], of.reshape(-1, 3), order // 3, np.append(begin, len(key))
-    )
-
-
-def _near_others(
-    corners: Floats, body: NDArray[np.int32], edges: _Edges, reach: float
-) -> Indices:
+def _near_others(surfaces: Surfaces, reach: float) -> Indices:
     """Edges of faces whose box meets the box of another body."""
+    body, edges = surfaces.body, surfaces.edges
     count = int(body.max(initial=0)) + 1
     if count == 1:
         return np.zeros(0, np.intp)
     if count > _MOST_BOXES:
         return np.arange(len(edges.first))
+    corners = surfaces.mesh.vertices[surfaces.mesh.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
     near = np.zeros(len(body), np.bool_)
     for k in range(count):
@@ -119,24 +60,26 @@ def _near_others(
 
 
 def _met(
-    mesh: Mesh, edges: _Edges, chosen: Indices, intersector: Intersector, radius: float
+    surfaces: Surfaces, chosen: Indices, intersector: Intersector, radius: float
 ) -> tuple[Indices, Indices]:
     """Which edge meets which face: (edge, face)."""
+    mesh, edges = surfaces.mesh, surfaces.edges
     begin = mesh.vertices[edges.first[chosen]].astype(np.float64)
     along = mesh.vertices[edges.second[chosen]].astype(np.float64) - begin
     length = np.linalg.norm(along, axis=1)
     chosen, begin, along = chosen[length > 0], begin[length > 0], along[length > 0]
     length = length[length > 0]
     along /= length[:, None]
-    least = _SAME * float(np.abs(mesh.vertices).max(initial=0.0))
+    least = _SAME * surfaces.largest
     reach = np.maximum(least, np.minimum(_NEAR * radius, _OF_FACE * length))
     # Beside the edge, on both sides of its body: where it stands on something a ray within
     # could find its own underside in the same place.
-    out = normals_and_areas(mesh.vertices[mesh.faces[edges.faces]].astype(np.float64))[0]
-    out = np.add.reduceat(out, edges.start[:-1])[chosen]
+    faces, row = surfaces.faces_at(chosen)
+    out = np.zeros_like(begin)
+    np.add.at(out, row, surfaces.normals[faces])
     out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-300)
     found = [
-        _along(mesh, intersector, begin + least * way * out, along, length, reach)
+        _along(surfaces, intersector, begin + least * way * out, along, length, reach)
         for way in (1.0, -1.0)
     ]
     edge = chosen[np.concatenate([row for row, _ in found])]
@@ -144,7 +87,7 @@ def _met(
 
 
 def _along(
-    mesh: Mesh,
+    surfaces: Surfaces,
     intersector: Intersector,
     begin: Floats,
     along: Floats,
@@ -152,9 +95,10 @@ def _along(
     reach: Floats,
 ) -> tuple[Indices, Indices]:
     """All on the ways from ``begin``, and ``reach`` before and beyond: (row, face)."""
+    mesh = surfaces.mesh
     row = np.arange(len(begin))
     at = -reach
-    step = _STEP * float(np.abs(mesh.vertices).max(initial=0.0))
+    step = _STEP * surfaces.largest
     found = [(np.zeros(0, np.intp), np.zeros(0, np.intp))]
     for _ in range(_MOST_MET):
         origin = begin[row] + at[row, None] * along[row]
@@ -174,32 +118,27 @@ def _along(
     return np.concatenate([r for r, _ in found]), np.concatenate([f for _, f in found])
 
 
-def _pairs(
-    edges: _Edges,
-    edge: Indices,
-    met: Indices,
-    place: NDArray[np.int64],
-    body: NDArray[np.int32],
-) -> tuple[Indices, Indices]:
+def _pairs(surfaces: Surfaces, edge: Indices, met: Indices) -> tuple[Indices, Indices]:
     """Each pair of faces once, both ways round, that may cross; no neighbours of one body.
 
     The neighbours of a face that is met are looked at too: what is met may lie on its rim.
     """
-    face, row = _faces_of(edges, edge)
+    place, body = surfaces.place, surfaces.body
+    face, row = surfaces.faces_at(edge)
     met = met[row]
-    beside, row = _faces_of(edges, edges.of[met].ravel())
+    beside, row = surfaces.faces_at(surfaces.edges.of[met].ravel())
     row //= 3
     a, b = np.concatenate([face, face[row]]), np.concatenate([met, beside])
     key = np.unique(np.minimum(a, b) * len(place) + np.maximum(a, b))
     a, b = key // len(place), key % len(place)
     shared = (place[a][:, :, None] == place[b][:, None, :]).any(axis=(1, 2))
     apart = ~shared | (body[a] != body[b])
-    c, d = _at_one_edge(edges)
+    c, d = _at_one_edge(surfaces.edges)
     a, b = np.concatenate([a[apart], c]), np.concatenate([b[apart], d])
     return np.concatenate([a, b]), np.concatenate([b, a])
 
 
-def _at_one_edge(edges: _Edges) -> tuple[Indices, Indices]:
+def _at_one_edge(edges: Edges) -> tuple[Indices, Indices]:
     """Pairs of faces at edges of three faces or more: a wall on a floor that goes on."""
     count = np.diff(edges.start)
     many = np.flatnonzero((count > 2) & (count <= _MOST_AT_EDGE))
@@ -207,35 +146,20 @@ def _at_one_edge(edges: _Edges) -> tuple[Indices, Indices]:
     for i in range(_MOST_AT_EDGE):
         for j in range(i + 1, _MOST_AT_EDGE):
             first = edges.start[many[count[many] > j]]
-            pairs.append((edges.faces[first + i], edges.faces[first + j]))
+            pairs.append((edges.sides[first + i] // 3, edges.sides[first + j] // 3))
     return np.concatenate([a for a, _ in pairs]), np.concatenate([b for _, b in pairs])
 
 
-def _faces_of(edges: _Edges, edge: Indices) -> tuple[Indices, Indices]:
-    """Faces at each of ``edge`` (N,): (faces, rows of ``edge``)."""
-    count = edges.start[edge + 1] - edges.start[edge]
-    row = np.repeat(np.arange(len(edge)), count)
-    step = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
-    return edges.faces[edges.start[edge][row] + step], row
-
-
-def _segments(
-    mesh: Mesh,
-    corners: Floats,
-    edges: _Edges,
-    face: Indices,
-    other: Indices,
-    radius: float,
-) -> Borders:
+def _segments(surfaces: Surfaces, face: Indices, other: Indices, radius: float) -> Borders:
     """What the pairs have in common: the line of their planes within both triangles."""
-    f, g = corners[face], corners[other]
-    normal_f, normal_g = normals_and_areas(f)[0], normals_and_areas(g)[0]
+    f, g = surfaces.corners(face), surfaces.corners(other)
+    normal_f, normal_g = surfaces.normals[face], surfaces.normals[other]
     cosine = (normal_f * normal_g).sum(axis=1)
     flat = (normal_f == 0).all(axis=1) | (normal_g == 0).all(axis=1)
     kept = ~flat & (np.abs(cosine) < SMOOTH_COSINE)
     face, other, f, g = face[kept], other[kept], f[kept], g[kept]
     normal_f, normal_g, cosine = normal_f[kept], normal_g[kept], cosine[kept]
-    least = _SAME * float(np.abs(mesh.vertices).max())
+    least = _SAME * surfaces.largest
     near = np.maximum(least, np.minimum(_NEAR * radius, _OF_FACE * _least_side(f, g)))
     height_f = ((f - g[:, :1]) * normal_g[:, None]).sum(axis=2)
     height_g = ((g - f[:, :1]) * normal_f[:, None]).sum(axis=2)
@@ -247,9 +171,7 @@ def _segments(
     low, high = np.maximum(low_f, low_g), np.minimum(high_f, high_g)
     kept = (high - low > least) & (height_g != 0).any(axis=1)
     through = (height_f.min(axis=1) < 0) & (height_f.max(axis=1) > 0)
-    kept[kept] = through[kept] | _goes_on(
-        corners, edges, face[kept], other[kept], height_f[kept]
-    )
+    kept[kept] = through[kept] | _goes_on(surfaces, face[kept], other[kept], height_f[kept])
     normal = normal_f[kept]
     ends = _points(f[kept, 0], g[kept, 0], normal, normal_g[kept], low[kept], high[kept])
     none = np.full(len(ends), np.inf)
@@ -296,7 +218,7 @@ def _span(along: Floats, height: Floats) -> tuple[Floats, Floats]:
 
 
 def _goes_on(
-    corners: Floats, edges: _Edges, face: Indices, other: Indices, height: Floats
+    surfaces: Surfaces, face: Indices, other: Indices, height: Floats
 ) -> NDArray[np.bool_]:
     """Whether a side of ``face`` lies in the plane of ``other`` and a neighbour goes on there.
 
@@ -306,15 +228,15 @@ def _goes_on(
     rows = np.flatnonzero(zero.sum(axis=1) == 2)
     # Side k runs from corner k to the next: it lies in the plane when both do.
     side = (zero & np.roll(zero, -1, axis=1))[rows].argmax(axis=1)
-    beside, row = _faces_of(edges, edges.of[face[rows], side])
+    beside, row = surfaces.faces_at(surfaces.edges.of[face[rows], side])
     row = rows[row]
-    own, next_, plane = corners[face[row]], corners[beside], corners[other[row]]
-    normal = normals_and_areas(plane)[0]
-    over = ((next_ - plane[:, :1]) * normal[:, None]).sum(axis=2)
+    own, plane, normals = face[row], other[row], surfaces.normals
+    way = surfaces.corners(beside) - surfaces.corners(plane)[:, :1]
+    over = (way * normals[plane][:, None]).sum(axis=2)
     beyond = (over * -np.sign(height[row].sum(axis=1))[:, None]).max(axis=1)
-    bend = (normals_and_areas(own)[0] * normals_and_areas(next_)[0]).sum(axis=1)
+    bend = (normals[own] * normals[beside]).sum(axis=1)
     # Of the neighbour's corners two are the side's own, so the other one is the farthest.
     on = (np.abs(bend) > SMOOTH_COSINE) & (beyond > np.abs(over).max(axis=1) / 2)
     goes = np.zeros(len(face), np.bool_)
-    goes[row[on & (beside != face[row])]] = True
+    goes[row[on & (beside != own)]] = True
     return goes

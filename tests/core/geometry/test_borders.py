@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from photon_map.core.geometry.borders import border_sides, places
+from photon_map.core.geometry.borders import border_sides
 from photon_map.tests import scenes
-from photon_map.tests.meshes import all_borders, joined, mesh_of
+from photon_map.tests.meshes import all_borders, joined, mesh_of, surfaces_of
 
 
 def found(mesh, longest=100.0, most=10_000):
@@ -51,7 +51,7 @@ def test_a_wall_ends_on_the_floor_that_goes_on_below_it():
     vertices = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1)]
     faces = [(0, 1, 2), (1, 0, 3), (0, 1, 4)]
     mesh = mesh_of(vertices, faces)
-    face, side = border_sides(mesh, places(mesh), np.arange(3))
+    face, side = border_sides(surfaces_of(mesh), np.ones(3, bool))
     shared = side == 0  # all three faces begin with the shared edge
     assert face[shared].tolist() == [2]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from photon_map.core.geometry.borders import CROSSING, places
-from photon_map.core.geometry.crossings import bodies, crossings
+from photon_map.core.geometry.borders import CROSSING
+from photon_map.core.geometry.crossings import crossings
 from photon_map.core.geometry.intersector import Intersector
 from photon_map.tests import scenes
-from photon_map.tests.meshes import joined
+from photon_map.tests.meshes import joined, surfaces_of
 
 RADIUS = 0.1
 
@@ -26,10 +26,9 @@ def grid(count, half=1.0):
 def met(*parts, on=0, radius=RADIUS):
     """Crossings on part ``on``."""
     mesh = joined(*parts)
-    place = places(mesh)
-    objects = np.repeat(np.arange(len(parts)), [len(faces) for _, faces in parts])
-    body = bodies(place, objects.astype(np.int32))
-    return crossings(mesh, place, body, objects == on, Intersector(mesh), radius)
+    counts = [len(faces) for _, faces in parts]
+    holds = np.repeat(np.arange(len(parts)) == on, counts)
+    return crossings(surfaces_of(mesh, counts), holds, Intersector(mesh), radius)
 
 
 def length(found):
@@ -119,12 +118,11 @@ def test_scale_does_not_matter():
 
 
 def test_parts_of_one_object_are_bodies_of_their_own_and_neighbours_are_not():
-    floor, box = scenes.plane(1.0), scenes.box((-0.2, -0.3, 0.0), (0.3, 0.2, 0.5))
-    mesh = joined(floor, box)
-    place = places(mesh)
-    assert len(np.unique(bodies(place, np.zeros(14, np.int32)))) == 2
+    mesh = joined(scenes.plane(1.0), scenes.box((-0.2, -0.3, 0.0), (0.3, 0.2, 0.5)))
+    assert len(np.unique(surfaces_of(mesh).body)) == 2
     ball = joined(scenes.sphere((0, 0, 0), 1.0, 1))
-    assert len(np.unique(bodies(places(ball), np.zeros(80, np.int32)))) == 1
+    assert len(np.unique(surfaces_of(ball).body)) == 1
+    assert len(np.unique(surfaces_of(ball, [40, 40]).body)) == 2
 
 
 def test_crossings_of_random_boxes_lie_on_the_surfaces_of_both():

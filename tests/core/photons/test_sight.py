@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from photon_map.core.geometry.borders import CROSSING, Borders, places, short
+from photon_map.core.geometry.borders import CROSSING, Borders, short
 from photon_map.core.geometry.borders import joined as all_of
-from photon_map.core.geometry.crossings import bodies, crossings
+from photon_map.core.geometry.crossings import crossings
 from photon_map.core.geometry.intersector import Intersector
 from photon_map.core.photons.coverage import border_grid, look_around
 from photon_map.core.photons.sight import (
@@ -20,7 +20,7 @@ from photon_map.core.photons.sight import (
     seen_share,
 )
 from photon_map.tests import scenes
-from photon_map.tests.meshes import all_borders, joined
+from photon_map.tests.meshes import all_borders, joined, surfaces_of
 
 UP = (0.0, 0.0, 1.0)
 RADIUS = 0.1
@@ -28,11 +28,9 @@ RADIUS = 0.1
 
 def grid_of(*parts, radius=RADIUS):
     mesh = joined(*parts)
-    place = places(mesh)
-    objects = np.repeat(np.arange(len(parts)), [len(faces) for _, faces in parts])
-    body = bodies(place, objects.astype(np.int32))
-    holds, intersector = np.ones(len(mesh.faces), bool), Intersector(mesh)
-    met = short(crossings(mesh, place, body, holds, intersector, radius), radius, 10**6)
+    surfaces = surfaces_of(mesh, [len(faces) for _, faces in parts])
+    holds = np.ones(len(mesh.faces), bool)
+    met = short(crossings(surfaces, holds, Intersector(mesh), radius), radius, 10**6)
     return border_grid(all_of(all_borders(mesh, radius), met), radius)
 
 
