@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
 from .arguments import (
@@ -20,7 +22,7 @@ from .arguments import (
 )
 from .core.file_replace import replacing
 from .core.settings import MAPS_SUFFIX
-from .source import CommandError
+from .source import CommandError, Loaded
 
 #: Lines of a legend.
 _NAMED = 12
@@ -70,9 +72,19 @@ class Kind(StrEnum):
 
 def photons(
     file: FileArgument,
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="OUT.ply|OUT.png")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="OUT.ply|OUT.png")
+    ] = None,
     color: Annotated[Colour, typer.Option(help="What the colours tell.")] = Colour.POWER,
     kind: Annotated[Kind, typer.Option(help="Which photons.")] = Kind.ALL,
+    at: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y",
+            help="Pixel from the left and the top: what the gather discs there hold; "
+            "OUT.ply takes the paths of their photons.",
+        ),
+    ] = None,
     count: Annotated[int | None, typer.Option(help="Photons to emit of each kind.")] = None,
     frame: FrameOption = None,
     size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels.")] = None,
@@ -80,33 +92,97 @@ def photons(
 ) -> None:
     """Show where the photons of FILE land: a cloud of points, or a picture of them."""
     overrides = {"seed": seed, "photons_caustic": count, "photons_global": count}
+    pixel = re.fullmatch(r"(\d{1,5}),(\d{1,5})", at) if at else None
+    if at and not pixel:
+        raise typer.BadParameter(f"'{at}' is not like 120,80", param_hint="--at")
+    if output is None and not pixel:
+        raise typer.BadParameter("-o or --at is needed", param_hint="--output")
     with reported_errors():
         source = source_of(file, frame, size, overrides)
-        if output.suffix.lower() not in (".ply", ".png"):
-            raise CommandError(f"'{output}': photons are written to a .ply or a .png")
-        check_writable(output, file)
+        if output is not None:
+            suffixes = (".ply",) if pixel else (".ply", ".png")
+            if output.suffix.lower() not in suffixes:
+                what = "paths" if pixel else "photons"
+                raise CommandError(
+                    f"'{output}': {what} are written to a {' or a '.join(suffixes)}"
+                )
+            check_writable(output, file)
         loaded = source.load()
-        from .core.photon_view import picture_places, view_photons
-        from .photon_picture import colours, legend, picture, write_ply
+        warn(*loaded.warnings)
+        if pixel:
+            _look_at(loaded, int(pixel[1]), int(pixel[2]), kind, color, output)
+        elif output is not None:
+            _write_photons(loaded, kind, color, output)
 
-        view = view_photons(loaded.scene, loaded.settings)
-        if kind is not Kind.ALL:
-            view = view.only(view.caustic == (kind is Kind.CAUSTIC))
-        with replacing(output) as part:
-            if output.suffix.lower() == ".ply":
-                write_ply(part, view, color)
-            else:
-                from PIL import Image
 
-                rows, pixels = picture_places(loaded.scene, loaded.settings, view)
-                camera = loaded.scene.camera
-                assert camera is not None  # view_photons has looked
-                seen = colours(view, color)[rows]
-                Image.fromarray(picture(seen, pixels, camera.width, camera.height)).save(part)
-    warn(*loaded.warnings)
-    for name, number in legend(view, color)[:_NAMED]:
+def _chosen(caustic: Any, kind: Kind) -> Any:
+    """Whether photons, or a disc, are of ``kind``."""
+    return (caustic == (kind is Kind.CAUSTIC)) | (kind is Kind.ALL)
+
+
+def _write_photons(loaded: Loaded, kind: Kind, color: Colour, output: Path) -> None:
+    """All photons as a cloud or a picture, and a legend."""
+    from .core.photon_shades import photon_colours, photon_legend
+    from .core.photon_view import picture_places, view_photons
+    from .photon_picture import picture, write_ply
+
+    view = view_photons(loaded.scene, loaded.settings)
+    view = view.only(_chosen(view.caustic, kind))
+    with replacing(output) as part:
+        if output.suffix.lower() == ".ply":
+            write_ply(part, view, color)
+        else:
+            from PIL import Image
+
+            rows, pixels = picture_places(loaded.scene, loaded.settings, view)
+            camera = loaded.scene.camera
+            assert camera is not None  # view_photons has looked
+            seen = photon_colours(view, color)[rows]
+            Image.fromarray(picture(seen, pixels, camera.width, camera.height)).save(part)
+    for name, number, _ in photon_legend(view, color)[:_NAMED]:
         typer.echo(f"{number:9d}  {name}")
     typer.echo(f"{len(view.position)} photons: wrote {output}")
+
+
+def _look_at(
+    loaded: Loaded, x: int, y: int, kind: Kind, color: Colour, output: Path | None
+) -> None:
+    """The numbers of the discs that a pixel sees, and the paths of their photons."""
+    from .core.photon_shades import photon_colours, photon_legend
+    from .core.viewed_pass import ViewedPass
+    from .photon_picture import write_paths
+
+    camera = loaded.scene.camera
+    if camera is not None and not (x < camera.width and y < camera.height):
+        raise CommandError(f"pixel {x},{y} is outside of {camera.width}x{camera.height}")
+    viewed = ViewedPass(loaded.scene, loaded.settings)
+    assert camera is not None  # ViewedPass has looked
+    place = viewed.place_at(*viewed.ray_of(x + 0.5, camera.height - y - 0.5))
+    if place is None:
+        raise CommandError(f"there is no surface at pixel {x},{y}")
+    where = ", ".join(f"{value:.4g}" for value in place.position)
+    typer.echo(f"'{place.object}' at ({where})")
+    rows = []
+    for disc in viewed.discs(place):
+        if not _chosen(disc.caustic, kind):
+            continue
+        rows.append(disc.rows)
+        name = "caustic" if disc.caustic else "global"
+        light = ", ".join(f"{value:.4g}" for value in disc.irradiance)
+        typer.echo(
+            f"{name}: {len(disc.rows)} photons within {disc.radius:.4g} m, "
+            f"irradiance ({light}) W/m^2"
+        )
+        view = viewed.view.only(disc.rows)
+        for by in ("light", "caster"):
+            for entry in photon_legend(view, by, disc.weight)[:_NAMED]:
+                typer.echo(f"{entry[1]:9d}  {100 * entry[2]:5.1f} %  {by} {entry[0]}")
+    if output is not None:
+        every = np.concatenate([np.zeros(0, np.intp), *rows])
+        with replacing(output) as part:
+            shades = photon_colours(viewed.view.only(every), color)
+            write_paths(part, viewed.paths(every), shades)
+        typer.echo(f"{len(every)} paths: wrote {output}")
 
 
 def bake(

@@ -6,7 +6,6 @@ there is one), and its binary form is a header and one NumPy table.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,42 +24,11 @@ _POINT = np.dtype(
         ("caster", "<i4"),
     ]
 )  # fmt: skip
+_CORNER = np.dtype(
+    [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1"), ("green", "u1"), ("blue", "u1")]
+)
+_EDGE = np.dtype([("vertex1", "<i4"), ("vertex2", "<i4")])
 _PLY_TYPES = {"<f4": "float", "|u1": "uchar", "<i4": "int"}
-#: Colours of things that are told apart, and of none (-1).
-_NONE = (0.35, 0.35, 0.35)
-
-
-def colours(view: PhotonView, by: str) -> NDArray[np.float64]:
-    """Display colours (N, 3), 0..1, by ``power``, ``bounce``, ``caster`` or ``light``.
-
-    Power goes from dark to bright over the 2nd to 98th percentile of its logarithm.
-    """
-    from matplotlib import colormaps
-
-    if by == "power":
-        power = np.log(np.maximum(view.flux.mean(axis=1), 1e-30).astype(np.float64))
-        low, high = np.percentile(power, (2, 98)) if len(power) else (0.0, 1.0)
-        share = (power - low) / (high - low) if high > low else np.full_like(power, 0.5)
-        return np.asarray(colormaps["inferno"](0.15 + 0.85 * share.clip(0, 1)))[:, :3]
-    if by == "bounce":
-        return np.asarray(colormaps["viridis"](view.bounce.clip(0, 6) / 6))[:, :3]
-    index = view.caster if by == "caster" else view.light
-    table = np.asarray(colormaps["tab10"](np.arange(10)))[:, :3]
-    return np.where(index[:, None] >= 0, table[index % 10], _NONE)
-
-
-def legend(view: PhotonView, by: str) -> list[tuple[str, int]]:
-    """What the colours stand for and how many photons each has, most first."""
-    names: Callable[[int], str]
-    if by == "caster":
-        index, names = view.caster, lambda k: view.objects[k] if k >= 0 else "none"
-    elif by == "light":
-        index, names = view.light, lambda k: view.lights[k]
-    else:
-        index, names = view.bounce, lambda k: f"bounce {k}"
-    values, counts = np.unique(index, return_counts=True)
-    found = [(names(int(k)), int(n)) for k, n in zip(values, counts, strict=True)]
-    return sorted(found, key=lambda entry: (-entry[1], entry[0]))
 
 
 def write_ply(path: Path, view: PhotonView, by: str) -> None:
@@ -70,7 +38,9 @@ def write_ply(path: Path, view: PhotonView, by: str) -> None:
         points[name] = column
     for name, column in zip(("nx", "ny", "nz"), view.normal.T, strict=True):
         points[name] = column
-    shades = np.rint(255 * colours(view, by)).astype(np.uint8)
+    from .core.photon_shades import photon_colours
+
+    shades = np.rint(255 * photon_colours(view, by)).astype(np.uint8)
     for name, column in zip(("red", "green", "blue"), shades.T, strict=True):
         points[name] = column
     points["power"] = view.flux.mean(axis=1)
@@ -81,10 +51,42 @@ def write_ply(path: Path, view: PhotonView, by: str) -> None:
     comments = [f"comment {name.encode('ascii', 'replace').decode()}" for name in names]
     assert _POINT.names is not None
     columns = [f"property {_PLY_TYPES[_POINT[name].str]} {name}" for name in _POINT.names]
+    _write(path, comments, [(f"vertex {len(points)}", columns, points)])
+
+
+def write_paths(
+    path: Path, ways: list[NDArray[np.float64]], shades: NDArray[np.float64]
+) -> None:
+    """Write the way (n, 3) of each photon as a chain of edges in its colour (N, 3)."""
+    lengths = np.array([len(way) for way in ways], np.int64)
+    points = np.zeros(lengths.sum(), _CORNER)
+    every = np.concatenate([np.zeros((0, 3)), *ways])
+    for name, column in zip("xyz", every.T, strict=True):
+        points[name] = column
+    bytes_ = np.rint(255 * shades).astype(np.uint8)
+    for name, column in zip(("red", "green", "blue"), bytes_.T, strict=True):
+        points[name] = np.repeat(column, lengths)
+    ends = np.cumsum(lengths) - 1
+    begins = np.setdiff1d(np.arange(len(points)), ends)
+    edges = np.zeros(len(begins), _EDGE)
+    edges["vertex1"], edges["vertex2"] = begins, begins + 1
+    parts = []
+    for name, table in (("vertex", points), ("edge", edges)):
+        names = table.dtype.names or ()
+        columns = [f"property {_PLY_TYPES[table.dtype[n].str]} {n}" for n in names]
+        parts.append((f"{name} {len(table)}", columns, table))
+    _write(path, [], parts)
+
+
+def _write(
+    path: Path, comments: list[str], parts: list[tuple[str, list[str], NDArray[np.void]]]
+) -> None:
+    """A binary PLY 1.0 of some elements: count, properties, table."""
     head = ["ply", "format binary_little_endian 1.0", *comments]
-    head += [f"element vertex {len(points)}", *columns, "end_header"]
-    text = "\n".join(line.replace("\n", " ") for line in head) + "\n"
-    path.write_bytes(text.encode("ascii") + points.tobytes())
+    for element, columns, _ in parts:
+        head += [f"element {element}", *columns]
+    text = "\n".join(line.replace("\n", " ") for line in [*head, "end_header"]) + "\n"
+    path.write_bytes(text.encode("ascii") + b"".join(table.tobytes() for _, _, table in parts))
 
 
 def picture(

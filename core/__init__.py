@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .film.layers import FIRST_HIT_LAYERS
     from .film.mattes import name_bits
     from .kept import Kept
+    from .photon_shades import photon_colours, photon_legend
     from .plan import Plan
     from .renderer import render
     from .report import completed
@@ -24,10 +25,12 @@ if TYPE_CHECKING:
     from .scene.scene import Scene, SceneError
     from .settings import Settings, SettingsError
     from .update import Update
+    from .viewed_pass import Disc, ViewedPass
 
 _HOMES = {
     "FIRST_HIT_LAYERS": ".film.layers",
     "CameraData": ".scene.camera_data",
+    "Disc": ".viewed_pass",
     "Film": ".film.film",
     "Finding": ".diagnosis",
     "Kept": ".kept",
@@ -38,9 +41,12 @@ _HOMES = {
     "Settings": ".settings",
     "SettingsError": ".settings",
     "Update": ".update",
+    "ViewedPass": ".viewed_pass",
     "bake": ".baking.bake",
     "completed": ".report",
     "name_bits": ".film.mattes",
+    "photon_colours": ".photon_shades",
+    "photon_legend": ".photon_shades",
     "render": ".renderer",
     "why_no_caustic": ".diagnosis",
 }
@@ -48,6 +54,7 @@ _HOMES = {
 __all__ = [
     "FIRST_HIT_LAYERS",
     "CameraData",
+    "Disc",
     "Film",
     "Finding",
     "Kept",
@@ -58,9 +65,12 @@ __all__ = [
     "Settings",
     "SettingsError",
     "Update",
+    "ViewedPass",
     "bake",
     "completed",
     "name_bits",
+    "photon_colours",
+    "photon_legend",
     "render",
     "why_no_caustic",
 ]

@@ -12,7 +12,7 @@ from .camera_pass.chunk import PhotonMaps, Region
 from .photons.photon_map import build_photon_map
 from .photons.radius import GLOBAL_ALPHA, radius_factor
 from .photons.shadow import shadow_map
-from .photons.trace import Walk, trace_photons
+from .photons.trace import Walk, Watcher, trace_photons
 from .pilot import PILOT_PASS, Radii, first_radii, no_radii
 from .plan import Plan
 from .prepared import Prepared
@@ -78,13 +78,15 @@ class TracedPhotons:
         return np.concatenate(positions) if positions else np.zeros((0, 3))
 
 
-def trace_batch(prepared: Prepared, settings: Settings, i: int, batch: Batch) -> Walk:
-    """Emit and trace one batch of pass ``i``."""
+def trace_batch(
+    prepared: Prepared, settings: Settings, i: int, batch: Batch, watcher: Watcher | None = None
+) -> Walk:
+    """Emit and trace one batch of pass ``i``; ``watcher`` may look on."""
     light_cdf = prepared.aim.light_cdf if batch.caustic else prepared.lights.photon_cdf
     purpose = PHOTON_CAUSTIC if batch.caustic else PHOTON_GLOBAL
     return trace_photons(
         prepared, prepared.aim.spheres, light_cdf, batch.caustic, settings, purpose, i,
-        batch.start, batch.count, batch.total,
+        batch.start, batch.count, batch.total, watcher,
     )  # fmt: skip
 
 

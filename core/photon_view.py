@@ -1,7 +1,7 @@
 """The photons of one pass to look at: each with its power, its bounce, its light, its caster.
 
-What a photon came through is in no photon map. It is found again here, from the order of
-the paths and from their first rays, so that looking costs renders nothing.
+What a photon came through is in no photon map. It is found again here by tracing the pass
+once more, so that looking costs renders nothing.
 """
 
 from __future__ import annotations
@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera.perspective import CameraTables
+from .geometry.intersector import Hits
 from .photon_pass import Batch, photon_batches, trace_batch
-from .photons.emit import PHOTON_PATH, emit_photons
-from .photons.trace import PHOTON
+from .photons.trace import PHOTON, Walk
 from .plan import Plan
 from .prepared import Prepared, prepare
-from .sampling.rng import PHOTON_CAUSTIC, PHOTON_GLOBAL
 from .scene.scene import Scene
 from .settings import Settings
 
@@ -29,9 +28,10 @@ class PhotonView(NamedTuple):
     """N stored photons.
 
     position (N, 3) f8 [m, world]; direction (N, 3) f4 back to where each came from; normal
-    (N, 3) f4; flux (N, 3) f4 [W]; caustic (N,) bool, else of the global map; bounce (N,)
-    i4: surfaces it was scattered by before; light (N,) i4 into ``lights``; caster (N,) i4
-    into ``objects``: what its path met first, -1 for those that were stored there.
+    (N, 3) f4; flux (N, 3) f4 [W]; caustic (N,) bool, else of the global map; path (N,) i8:
+    its number among those of its kind; bounce (N,) i4: surfaces it was scattered by before;
+    light (N,) i4 into ``lights``; caster (N,) i4 into ``objects``: what its path met first, -1
+    for those that were stored there.
     """
 
     position: NDArray[np.float64]
@@ -39,14 +39,15 @@ class PhotonView(NamedTuple):
     normal: NDArray[np.float32]
     flux: NDArray[np.float32]
     caustic: NDArray[np.bool_]
+    path: NDArray[np.int64]
     bounce: NDArray[np.int32]
     light: NDArray[np.int32]
     caster: NDArray[np.int32]
     lights: tuple[str, ...]
     objects: tuple[str, ...]
 
-    def only(self, chosen: NDArray[np.bool_]) -> PhotonView:
-        """The photons where ``chosen`` (N,) holds."""
+    def only(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> PhotonView:
+        """The photons where ``chosen`` (N,) holds, or of these rows."""
         names = [name for name in self._fields if name not in ("lights", "objects")]
         return self._replace(**{name: getattr(self, name)[chosen] for name in names})
 
@@ -57,54 +58,66 @@ def view_photons(scene: Scene, settings: Settings, i: int = 0) -> PhotonView:
     camera = scene.camera
     assert camera is not None  # prepare has looked
     batches = photon_batches(Plan.of(scene, settings), settings, camera.width * camera.height)
-    photons = [np.zeros(0, PHOTON)]
-    facts = [np.zeros((0, 4), np.int32)]
-    for batch in batches:
-        walk = trace_batch(prepared, settings, i, batch)
-        light, first = _first_hits(prepared, settings, i, batch)
-        path = (walk.order // settings.photon_depth).astype(np.int64)
-        bounce = (walk.order % settings.photon_depth).astype(np.int32)
+    known = [known_walk(prepared, settings, i, batch) for batch in batches]
+    return view_of(scene, settings, prepared, batches, known)
+
+
+class KnownWalk(NamedTuple):
+    """A batch's walk, and of each of its paths the light and the first face (-1: none)."""
+
+    walk: Walk
+    light: NDArray[np.int32]
+    first: NDArray[np.int32]
+
+
+def known_walk(prepared: Prepared, settings: Settings, i: int, batch: Batch) -> KnownWalk:
+    """Trace a batch and look where its paths begin."""
+    light, first = np.full((2, batch.count), -1, np.int32)
+    seen = np.zeros(batch.count, np.bool_)
+
+    def look(paths: NDArray[np.void], origins: NDArray[np.float32], hits: Hits) -> None:
+        own = paths["index"] - batch.start
+        new = ~seen[own]
+        seen[own] = True
+        light[own[new]] = paths["entry"][new]
+        first[own[new]] = hits.face[new]
+
+    return KnownWalk(trace_batch(prepared, settings, i, batch, look), light, first)
+
+
+def view_of(
+    scene: Scene,
+    settings: Settings,
+    prepared: Prepared,
+    batches: list[Batch],
+    known: list[KnownWalk],
+) -> PhotonView:
+    """The photons of all ``batches``, one behind the other."""
+    facts = [np.zeros((0, 5), np.int64)]
+    rows = [known_walk.walk.photons for known_walk in known]
+    for batch, (walk, light, first) in zip(batches, known, strict=True):
+        path = walk.order // settings.photon_depth
+        bounce = walk.order % settings.photon_depth
         face = first[path - batch.start]
         met = np.where(face >= 0, scene.face_object[face] if len(scene.faces) else -1, -1)
         caster = np.where(bounce > 0, met, -1)
         kind = np.full(len(path), batch.caustic)
-        photons.append(walk.photons)
-        facts.append(np.stack([kind, bounce, light[path - batch.start], caster], axis=1))
-    rows = np.concatenate(photons)
-    known = np.concatenate(facts).astype(np.int32)
+        facts.append(np.stack([kind, path, bounce, light[path - batch.start], caster], axis=1))
+    photons = np.concatenate(rows) if rows else np.zeros(0, PHOTON)
+    columns = np.concatenate(facts).astype(np.int64)
     return PhotonView(
-        position=rows["position"] + prepared.centre.origin,
-        direction=rows["direction"],
-        normal=rows["normal"],
-        flux=rows["flux"],
-        caustic=known[:, 0] != 0,
-        bounce=known[:, 1],
-        light=known[:, 2],
-        caster=known[:, 3],
+        position=photons["position"] + prepared.centre.origin,
+        direction=photons["direction"],
+        normal=photons["normal"],
+        flux=photons["flux"],
+        caustic=columns[:, 0] != 0,
+        path=columns[:, 1],
+        bounce=columns[:, 2].astype(np.int32),
+        light=columns[:, 3].astype(np.int32),
+        caster=columns[:, 4].astype(np.int32),
         lights=(*scene.light_names, *OTHER_LIGHTS),
         objects=scene.object_names,
     )
-
-
-def _first_hits(
-    prepared: Prepared, settings: Settings, i: int, batch: Batch
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Light entry and first face (-1: none) of each path of ``batch``."""
-    count = batch.count
-    origins, directions = np.zeros((2, count, 3), np.float32)
-    paths = np.zeros(count, PHOTON_PATH)
-    light_cdf = prepared.aim.light_cdf if batch.caustic else prepared.lights.photon_cdf
-    alive = emit_photons(
-        prepared.mesh, prepared.materials, prepared.shading, prepared.lights,
-        prepared.light_media, prepared.aim.spheres, light_cdf, batch.caustic, settings.seed,
-        PHOTON_CAUSTIC if batch.caustic else PHOTON_GLOBAL, i, batch.start, count,
-        batch.total, origins, directions, paths,
-    )  # fmt: skip
-    light, first = np.full((2, count), -1, np.int32)
-    own = paths["index"][:alive] - batch.start
-    light[own] = paths["entry"][:alive]
-    first[own] = prepared.intersector.nearest(origins[:alive], directions[:alive]).face
-    return light, first
 
 
 def picture_places(

@@ -76,6 +76,59 @@ def test_a_picture_shows_photons_on_black(scene_file: Path, tmp_path: Path):
     assert 0.1 < lit.mean() < 1.0
 
 
+def test_a_pixel_tells_its_discs_and_the_paths_of_their_photons(
+    scene_file: Path, tmp_path: Path
+):
+    """The middle of the lower edge of the picture shows the floor."""
+    done = run(scene_file, "--at", "12,22", "--count", "20000")
+    assert done.exit_code == 0, done.output
+    assert done.output.startswith("'floor' at (")
+    global_ = next(line for line in done.output.splitlines() if line.startswith("global: "))
+    assert int(global_.split()[1]) > 3 and "W/m^2" in global_
+    path = tmp_path / "paths.ply"
+    done = run(
+        scene_file, "--at", "12,22", "--count", "20000", "--kind", "global", "-o", path
+    )  # fmt: skip
+    assert done.exit_code == 0 and "caustic: " not in done.output, done.output
+    vertices, edges = read_paths(path)
+    chains = len(vertices) - len(edges)
+    assert f"{chains} paths: wrote" in done.output and chains == int(global_.split()[1])
+    assert (edges["vertex2"] == edges["vertex1"] + 1).all()
+    ends = np.setdiff1d(np.arange(len(vertices)), edges["vertex1"])
+    assert abs(vertices["y"][ends] - vertices["y"][ends].mean()).max() < 1e-5 or (
+        abs(vertices["z"][ends] - vertices["z"][ends].mean()).max() < 1e-5
+    ), "all paths end on the floor"
+
+
+def read_paths(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and edges of a PLY of paths."""
+    head, _, body = path.read_bytes().partition(b"end_header\n")
+    corner = [("x", "<f4"), ("y", "<f4"), ("z", "<f4")]
+    corner += [("red", "u1"), ("green", "u1"), ("blue", "u1")]
+    lines = head.decode("ascii").splitlines()
+    counts = {line.split()[1]: int(line.split()[2]) for line in lines if "element" in line}
+    vertices = np.frombuffer(body, np.dtype(corner), counts["vertex"])
+    edge = np.dtype([("vertex1", "<i4"), ("vertex2", "<i4")])
+    edges = np.frombuffer(body, edge, counts["edge"], vertices.nbytes)
+    assert len(body) == vertices.nbytes + edges.nbytes
+    return vertices, edges
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--at", "99,2"], "pixel 99,2 is outside of 24x24"),
+        (["--at", "3"], "is not like 120,80"),
+        (["--at", "3,4", "-o", "a.png"], "paths are written to a .ply"),
+        ([], "-o or --at is needed"),
+    ],
+)
+def test_a_pixel_that_is_none_is_said(arguments: list[str], words: str, scene_file: Path):
+    done = run(scene_file, *arguments)
+    assert done.exit_code in (1, 2)
+    assert words in " ".join(done.output.replace("│", " ").split())
+
+
 def test_what_cannot_be_written_is_said(scene_file: Path, tmp_path: Path):
     done = run(scene_file, "-o", tmp_path / "a.obj")
     assert done.exit_code == 1 and "a .ply or a .png" in done.output

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from ..bsdf.dispatch import (
 from ..bsdf.hit import HIT, meet, shade
 from ..bsdf.scatter import choose_transparency, goes_through, scatter
 from ..geometry.interaction import leave
+from ..geometry.intersector import Hits
 from ..geometry.media import cross_surface, current_medium, transmittance
 from ..geometry.vector import Vector, dot, read, scale, store, vector
 from ..jit import Row, Table, kernel
@@ -64,6 +65,15 @@ class Walk(NamedTuple):
     rays: int
 
 
+class Watcher(Protocol):
+    """Looks on at each step of a batch; what it is shown is overwritten afterwards."""
+
+    def __call__(
+        self, paths: NDArray[np.void], origins: NDArray[np.float32], hits: Hits
+    ) -> None:
+        """Paths (n,) ``PHOTON_PATH`` start at ``origins`` (n, 3) and meet ``hits``."""
+
+
 def trace_photons(
     prepared: Prepared,
     spheres: Table,
@@ -75,6 +85,7 @@ def trace_photons(
     start: int,
     count: int,
     total: int,
+    watcher: Watcher | None = None,
 ) -> Walk:
     """Emit and trace photon paths ``start``..``start + count`` of ``total`` in pass ``i``.
 
@@ -97,6 +108,8 @@ def trace_photons(
     while alive:
         rays += alive
         hits = prepared.intersector.nearest(origins[:alive], directions[:alive])
+        if watcher is not None:
+            watcher(paths[:alive], origins[:alive], hits)
         photons = np.zeros(alive, PHOTON)
         order = np.zeros(alive, np.int64)
         alive, kept = step_photons(
