@@ -19,7 +19,7 @@ from .insight import remember
 from .job import CURRENT
 from .kernel_cache import use_extension_folder
 from .mattes import matte_stamps
-from .passes import active_passes, first_hit_layers, matte_ranks, pass_name
+from .passes import active_passes, asked_settings, pass_name
 from .report import ExportError, ExportLog
 
 if TYPE_CHECKING:
@@ -48,8 +48,7 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     settings = export_settings(
         depsgraph.scene_eval,
         {
-            "first_hit": _first_hit_layers(depsgraph.scene_eval, view_layer),
-            "matte_ranks": matte_ranks(view_layer),
+            **_asked(depsgraph.scene_eval, view_layer),
             **({} if engine.is_preview else maps_settings(depsgraph.scene)),
             **(job.overrides if job else {}),
         },
@@ -77,10 +76,11 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     tell(engine, [f"{bad} samples were not finite and are black"] if bad else [])
 
 
-def _first_hit_layers(scene: Any, view_layer: Any) -> tuple[str, ...]:
+def _asked(scene: Any, view_layer: Any) -> dict[str, Any]:
     """What the passes and the denoiser ask for beside the light."""
+    asked = asked_settings(view_layer)
     guides = GUIDES if scene.photon_map.use_denoise and is_available() else ()
-    return tuple(dict.fromkeys((*first_hit_layers(view_layer), *guides)))
+    return asked | {"first_hit": tuple(dict.fromkeys((*asked["first_hit"], *guides)))}
 
 
 def _denoised(

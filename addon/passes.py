@@ -23,11 +23,9 @@ class RenderPass(NamedTuple):
     first: int = 0  #: channel of the layer that the pass begins with
 
 
-#: Blender's "direct" and "indirect" diffuse passes are light without the surface colour;
-#: here they hold the estimators' terms at the first non-specular surface with its colour
-#: and every lobe included: "direct" is light straight from lamps, "indirect" light that
-#: has met a non-specular surface before. Emission + direct + caustics + indirect is
-#: Combined.
+#: As in Cycles (direct + indirect) x colour, summed over diffuse, glossy and transmission,
+#: and Emission and Environment make Combined. Caustics are a part of it that Cycles has no
+#: pass for.
 PASSES: tuple[RenderPass, ...] = (
     RenderPass("combined", "Combined", "Combined", "RGBA", "COLOR", ""),
     RenderPass("distance", "Depth", "Depth", "Z", "VALUE", "use_pass_z"),
@@ -42,22 +40,38 @@ PASSES: tuple[RenderPass, ...] = (
         "material_index", "Material Index", "IndexMA", "X", "VALUE", "use_pass_material_index"
     ),
     RenderPass(
-        "direct", "Diffuse Direct", "DiffDir", "RGB", "COLOR", "use_pass_diffuse_direct"
+        "diffuse_direct", "Diffuse Direct", "DiffDir", "RGB", "COLOR", "use_pass_diffuse_direct"
     ),
     RenderPass(
-        "indirect", "Diffuse Indirect", "DiffInd", "RGB", "COLOR", "use_pass_diffuse_indirect"
+        "diffuse_indirect", "Diffuse Indirect", "DiffInd", "RGB", "COLOR",
+        "use_pass_diffuse_indirect",
     ),
     RenderPass(
         "diffuse_color", "Diffuse Color", "DiffCol", "RGB", "COLOR", "use_pass_diffuse_color"
     ),
     RenderPass(
+        "glossy_direct", "Glossy Direct", "GlossDir", "RGB", "COLOR", "use_pass_glossy_direct"
+    ),
+    RenderPass(
+        "glossy_indirect", "Glossy Indirect", "GlossInd", "RGB", "COLOR",
+        "use_pass_glossy_indirect",
+    ),
+    RenderPass(
         "glossy_color", "Glossy Color", "GlossCol", "RGB", "COLOR", "use_pass_glossy_color"
+    ),
+    RenderPass(
+        "transmission_direct", "Transmission Direct", "TransDir", "RGB", "COLOR",
+        "use_pass_transmission_direct",
+    ),
+    RenderPass(
+        "transmission_indirect", "Transmission Indirect", "TransInd", "RGB", "COLOR",
+        "use_pass_transmission_indirect",
     ),
     RenderPass(
         "transmission_color", "Transmission Color", "TransCol", "RGB", "COLOR",
         "use_pass_transmission_color",
     ),
-    RenderPass("emission", "Emission", "Emit", "RGB", "COLOR", "use_pass_emit"),
+    RenderPass("seen_emission", "Emission", "Emit", "RGB", "COLOR", "use_pass_emit"),
     RenderPass("environment", "Environment", "Env", "RGB", "COLOR", "use_pass_environment"),
     RenderPass("caustics", "Caustics", "Caustics", "RGB", "COLOR", "pm.use_pass_caustics"),
     RenderPass("error", "Error", "Error", "X", "VALUE", "pm.use_pass_error"),
@@ -120,12 +134,19 @@ def active_passes(view_layer: Any) -> Iterator[RenderPass]:
                 yield entry._replace(name=name, old_name=name, first=4 * k)
 
 
-def first_hit_layers(view_layer: Any) -> tuple[str, ...]:
-    """Layers that the core renders only when they are asked for."""
-    from ..core import FIRST_HIT_LAYERS
+def asked_settings(view_layer: Any) -> dict[str, Any]:
+    """The core's settings for what it renders only when it is asked for."""
+    from ..core import FIRST_HIT_LAYERS, KIND_COLORS, KIND_LAYERS
 
     asked = {entry.layer for entry in active_passes(view_layer)}
-    return tuple(layer for layer in FIRST_HIT_LAYERS if layer in asked)
+    light_kinds = bool(asked & set(KIND_LAYERS))
+    if light_kinds:
+        asked |= set(KIND_COLORS)
+    return {
+        "first_hit": tuple(layer for layer in FIRST_HIT_LAYERS if layer in asked),
+        "matte_ranks": matte_ranks(view_layer),
+        "light_kinds": light_kinds,
+    }
 
 
 def register_passes(engine: Any, scene: Any, view_layer: Any) -> None:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .baking.bake import bake
     from .diagnosis import Finding, why_no_caustic
     from .film.film import Film
-    from .film.layers import FIRST_HIT_LAYERS
+    from .film.layers import FIRST_HIT_LAYERS, KIND_COLORS, KIND_LAYERS
     from .film.mattes import name_bits
     from .kept import Kept
     from .photon_shades import photon_colours, photon_legend
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "FIRST_HIT_LAYERS": ".film.layers",
+    "KIND_COLORS": ".film.layers",
+    "KIND_LAYERS": ".film.layers",
     "CameraData": ".scene.camera_data",
     "Disc": ".viewed_pass",
     "Film": ".film.film",
@@ -53,6 +55,8 @@ _HOMES = {
 
 __all__ = [
     "FIRST_HIT_LAYERS",
+    "KIND_COLORS",
+    "KIND_LAYERS",
     "CameraData",
     "Disc",
     "Film",

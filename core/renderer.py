@@ -73,7 +73,10 @@ class _Render:
 
     def _film(self, width: int, height: int) -> Film:
         settings = self.settings
-        return Film(width, height, settings.exposure, settings.first_hit, settings.matte_ranks)
+        return Film(
+            width, height, settings.exposure, settings.first_hit, settings.matte_ranks,
+            settings.light_kinds,
+        )  # fmt: skip
 
     def updates(self) -> Iterator[Update]:
         """All phases."""
@@ -147,8 +150,7 @@ class _Render:
         film = self._film(pixels.count, 1)
         for i in range(2):
             film.add(i, 0, chunk.samples)
-            if chunk.first_hits is not None:
-                film.add_first_hits(i, 0, chunk.first_hits)
+            film.add_asked(i, 0, chunk.first_hits, chunk.kinds)
         film.stated_error()
 
     def _passes(
@@ -191,8 +193,7 @@ class _Render:
 
     def _add(self, i: int, chunk: Chunk) -> None:
         self.film.add(i, chunk.pixels.start, chunk.samples)
-        if chunk.first_hits is not None:
-            self.film.add_first_hits(i, chunk.pixels.start, chunk.first_hits)
+        self.film.add_asked(i, chunk.pixels.start, chunk.first_hits, chunk.kinds)
         self.film.statistics.rays += chunk.rays
 
     def _count(self, maps: PhotonMaps) -> None:

@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass
 from typing import Literal
 
-from .film.layers import FIRST_HIT_LAYERS
+from .film.layers import FIRST_HIT_LAYERS, KIND_COLORS
 
 PixelFilter = Literal["BOX", "GAUSSIAN", "BLACKMAN_HARRIS"]
 StaleMaps = Literal["TRACE", "REBUILD", "REFUSE"]
@@ -37,6 +37,8 @@ class Settings:
     (x0, y0, x1, y1) in pixels, row 0 at the bottom, None for the whole image.
     ``exposure`` is a factor on the light of the film's layers. ``first_hit``: layers of
     ``film.first_hits.LAYERS`` to render beside the light; mattes keep ``matte_ranks`` names.
+    ``light_kinds``: whether the light is kept by kind as well (``film.layers.KIND_LAYERS``),
+    which needs their colours.
     ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
     at a time) changes a bit of the result.
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
@@ -69,6 +71,7 @@ class Settings:
     stale_maps: StaleMaps = "TRACE"
     first_hit: tuple[str, ...] = ()
     matte_ranks: int = 6
+    light_kinds: bool = False
     shadow_photons: int = 0
     shadow_lit: float = 0.1
     shadow_dark: float = 0.96
@@ -94,6 +97,9 @@ class Settings:
         if unknown:
             known = ", ".join(FIRST_HIT_LAYERS)
             raise SettingsError(f"first_hit: no layer '{unknown[0]}'; there are {known}")
+        missing = set(KIND_COLORS) - set(self.first_hit)
+        if self.light_kinds and missing:
+            raise SettingsError(f"light_kinds needs first_hit to have {', '.join(KIND_COLORS)}")
         if self.region is not None:
             x0, y0, x1, y1 = self.region
             if not (0 <= x0 < x1 and 0 <= y0 < y1):

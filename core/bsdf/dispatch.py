@@ -43,7 +43,7 @@ _TRANSMISSION_BIT = int(Visibility.TRANSMISSION)
 
 
 @kernel
-def _part_share(lobe: Row, part: int) -> float:
+def part_share(lobe: Row, part: int) -> float:
     """Share of a lobe that belongs to ``part``."""
     if lobe.model == TRANSPARENT:
         return 0.0
@@ -59,7 +59,7 @@ def _part_weight(surface: Row, lobes: Table, part: int) -> float:
     """What the lobes of a part are drawn by, summed."""
     total = 0.0
     for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
-        total += lobes[k].share * _part_share(lobes[k], part)
+        total += lobes[k].share * part_share(lobes[k], part)
     return total
 
 
@@ -101,7 +101,7 @@ def part_bit(surface: Row, lobes: Table, part: int, transmitted: bool) -> int:
     refracting = False
     for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
         lobe = lobes[k]
-        if lobe.share * _part_share(lobe, part) <= 0.0:
+        if lobe.share * part_share(lobe, part) <= 0.0:
             continue
         diffuse = diffuse or is_diffuse_like(lobe.model)
         refracting = refracting or (transmits(lobe.model) and lobe.model != TRANSLUCENT)
@@ -114,7 +114,7 @@ def part_bit(surface: Row, lobes: Table, part: int, transmitted: bool) -> int:
 def is_lambertian(surface: Row, lobes: Table) -> bool:
     """Whether the wide part is Lambertian reflection alone (its value is a constant)."""
     for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
-        if lobes[k].model != DIFFUSE and _part_share(lobes[k], WIDE) > 0.0:
+        if lobes[k].model != DIFFUSE and part_share(lobes[k], WIDE) > 0.0:
             return False
     return True
 
@@ -124,7 +124,7 @@ def albedo_nonspecular(surface: Row, lobes: Table) -> Vector:
     """Summed weights of the wide shares of all lobes."""
     total = _BLACK
     for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
-        total = add(total, scale(vector(lobes[k].weight), _part_share(lobes[k], WIDE)))
+        total = add(total, scale(vector(lobes[k].weight), part_share(lobes[k], WIDE)))
     return total
 
 
@@ -139,7 +139,7 @@ def eval_part(
     """
     total = _BLACK
     for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
-        share = _part_share(lobes[k], part)
+        share = part_share(lobes[k], part)
         if share > 0.0:
             total = add(total, scale(eval_lobe(lobes[k], n, wo, wi), share))
     return total
@@ -153,7 +153,7 @@ def eval_alike(
     total = _BLACK
     below = dot(n, wi) < 0.0
     for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
-        share = _part_share(lobes[k], part)
+        share = part_share(lobes[k], part)
         own = lobes[k].eta if is_rough_glass(lobes[k].model) else 1.0
         # Seen from the other side the ratio is the inverse, but for rounding.
         if share > 0.0 and (not below or abs(own - eta) < 1e-6 * eta):
@@ -167,7 +167,7 @@ def pdf_part(surface: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector, part
     total = 0.0
     pdf_w = 0.0
     for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
-        share = lobes[k].share * _part_share(lobes[k], part)
+        share = lobes[k].share * part_share(lobes[k], part)
         if share > 0.0:
             total += share
             pdf_w += share * pdf_lobe(lobes[k], n, wo, wi)
@@ -182,7 +182,7 @@ def _choose(surface: Row, lobes: Table, part: int, u: float) -> tuple[int, float
     chosen = -1
     share = 0.0
     for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
-        s = lobes[k].share * _part_share(lobes[k], part)
+        s = lobes[k].share * part_share(lobes[k], part)
         if s <= 0.0:
             continue
         chosen = k
@@ -220,7 +220,7 @@ def _weight_of(
     below = dot(n, wi) < 0.0
     for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
         lobe = lobes[k]
-        share = _part_share(lobe, part)
+        share = part_share(lobe, part)
         if share <= 0.0:
             continue
         total += lobe.share * share
@@ -261,7 +261,7 @@ def sample_part(
     eta = _eta_of(lobe, entering, n_around)
     if is_delta(lobe):
         ok, wi, weight, transmitted = sample_delta(lobe, n, wo, eta, u)
-        weight = scale(weight, _part_share(lobe, part) / prob)
+        weight = scale(weight, part_share(lobe, part) / prob)
         return ok, wi, weight, 0.0, transmitted, (eta if transmitted else 1.0)
     ok, wi, transmitted = sample_lobe(lobe, n, wo, u_rest, u, v)
     if not transmitted:

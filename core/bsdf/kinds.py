@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from ..geometry.vector import Vector, add, scale, times, vector
+from ..geometry.vector import Vector, add, dot, scale, times, vector
 from ..jit import Row, Table, kernel
 from .albedo import albedo_ggx, mean_rise
+from .dispatch import part_share
 from .fresnel import fresnel_dielectric
 from .lobe import (
     DIELECTRIC,
@@ -17,12 +18,17 @@ from .lobe import (
     TRANSLUCENT,
     TRANSPARENT,
     TRUE_FRESNEL,
+    eval_lobe,
     is_diffuse_like,
     is_rough_glass,
     reflectance,
     transmittance,
 )
 
+DIFFUSE_KIND = 0
+GLOSSY_KIND = 1
+TRANSMITTED_KIND = 2
+_MIXED = -1
 _WHITE = (1.0, 1.0, 1.0)
 _BLACK = (0.0, 0.0, 0.0)
 
@@ -94,4 +100,48 @@ def colors_by_kind(
         r, t = _colors(lobe, tables, cosine, eta)
         glossy = add(glossy, times(weight, r))
         transmitted = add(transmitted, times(weight, t))
+    return diffuse, glossy, transmitted
+
+
+@kernel
+def one_kind(surface: Row, lobes: Table) -> int:
+    """The kind of all that a surface scatters, -1 when there are several or none."""
+    found = _MIXED
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        model = lobes[k].model
+        if model == TRANSPARENT:
+            continue
+        kind = GLOSSY_KIND
+        if is_diffuse_like(model) or model == TRANSLUCENT:
+            kind = DIFFUSE_KIND
+        elif model == GGX_DIELECTRIC or model == DIELECTRIC:
+            return _MIXED
+        elif is_rough_glass(model) or model == REFRACTION:
+            kind = TRANSMITTED_KIND
+        if found != _MIXED and found != kind:
+            return _MIXED
+        found = kind
+    return found
+
+
+@kernel
+def eval_kinds(
+    surface: Row, lobes: Table, n: Vector, wo: Vector, wi: Vector, part: int
+) -> tuple[Vector, Vector, Vector]:
+    """``dispatch.eval_part`` apart: (diffuse, glossy, transmitted), kinds as below."""
+    diffuse = _BLACK
+    glossy = _BLACK
+    transmitted = _BLACK
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        lobe = lobes[k]
+        share = part_share(lobe, part)
+        if share <= 0.0:
+            continue
+        f = scale(eval_lobe(lobe, n, wo, wi), share)
+        if is_diffuse_like(lobe.model) or lobe.model == TRANSLUCENT:
+            diffuse = add(diffuse, f)
+        elif dot(n, wi) < 0.0:
+            transmitted = add(transmitted, f)
+        else:
+            glossy = add(glossy, f)
     return diffuse, glossy, transmitted

@@ -40,6 +40,12 @@ def fill_footprints(camera: Row, lengths: Table, out: Table) -> None:
 
 
 @kernel
+def disc_radius(camera: Row, radii: Table, length: float) -> float:
+    """Radius [m] of the disc at ``length`` along a path; see ``gather_caustics``."""
+    return min(max(radii[0] * footprint(camera, length), radii[1]), radii[2])
+
+
+@kernel
 def gather_caustics(
     lobes: Table,
     camera: Row,
@@ -58,7 +64,6 @@ def gather_caustics(
     """
     for k in range(count):
         vertex = vertices[k]
-        radius = radii[0] * footprint(camera, vertex.length)
-        radius = min(max(radius, radii[1]), radii[2])
+        radius = disc_radius(camera, radii, vertex.length)
         sample = samples[vertex.slot]
         add_estimate(sample.caustics, sample, vertex, lobes, photon_map, borders, radius, sight)

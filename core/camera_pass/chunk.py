@@ -24,6 +24,7 @@ from .caustics import gather_caustics
 from .direct import add_direct, sample_direct
 from .first_hit import step_first_hits
 from .indirect import gather_indirect, gather_order, start_gather
+from .kinds import KindLight, directions_to_lights, sum_rays
 from .paths import start_paths, step_paths
 from .records import PATH, VERTEX
 from .shadow import free_part
@@ -78,13 +79,15 @@ class Pixels:
 class Chunk(NamedTuple):
     """What a chunk brings: its pixels, one ``SAMPLE`` row each, rays traced.
 
-    ``first_hits``: one ``FIRST_HIT`` row each, None when no layer asks for them.
+    ``first_hits``: one ``FIRST_HIT`` row each, ``kinds`` one (6, 3) of ``KIND_LAYERS``, None
+    when no layer asks for them.
     """
 
     pixels: Pixels
     samples: NDArray[np.void]
     rays: int
     first_hits: NDArray[np.void] | None = None
+    kinds: NDArray[np.float64] | None = None
 
 
 class Rays:
@@ -117,27 +120,61 @@ def trace_chunk(
     """Render ``pixels`` of ``region`` in pass ``i`` with the photons of ``maps``."""
     samples = np.zeros(pixels.count, SAMPLE)
     rays = Rays(prepared, pixels.count)
-    lit = trace_camera(prepared, settings, region, i, pixels, rays, samples)
-    rays.traced += _light_directly(prepared, settings, i, lit, maps.shadows, samples)
+    kinds = KindLight(pixels.count) if settings.light_kinds else None
+    lit = trace_camera(prepared, settings, region, i, pixels, rays, samples, kinds)
+    rays.traced += _light_directly(prepared, settings, i, lit, maps.shadows, samples, kinds)
     ends = wide_only(lit)
     if len(ends.vertices):
-        if maps.caustic is not None:
-            gather_caustics(
-                ends.lobes, prepared.camera, maps.caustic, maps.caustic_borders,
-                maps.caustic_radii, ends.vertices, len(ends.vertices), samples, np.zeros(SIGHT),
-            )  # fmt: skip
-        far, traced = trace_gather(prepared, settings, i, ends, samples)
-        rays.traced += traced
-        if maps.global_ is not None:
-            gather_indirect(
-                far.lobes, maps.global_, maps.global_borders, maps.global_radius, far.vertices,
-                gather_order(maps.global_, far.vertices), samples, np.zeros(SIGHT),
-            )  # fmt: skip
+        rays.traced += _gather(prepared, settings, i, ends, maps, samples, kinds)
     first_hits = None
     if prepared.first_hits is not None:
         first_hits, traced = trace_first_hits(prepared, settings, region, i, pixels)
         rays.traced += traced
-    return Chunk(pixels, samples, rays.traced, first_hits)
+    by_kind = kinds.finished(samples) if kinds else None
+    return Chunk(pixels, samples, rays.traced, first_hits, by_kind)
+
+
+def _gather(
+    prepared: Prepared,
+    settings: Settings,
+    i: int,
+    ends: Lit,
+    maps: PhotonMaps,
+    samples: NDArray[np.void],
+    kinds: KindLight | None,
+) -> int:
+    """Light by photons, at ``ends`` and where gather rays from there end; rays traced."""
+    if maps.caustic is not None:
+        asked = (prepared.camera, maps.caustic, maps.caustic_borders, maps.caustic_radii)
+        gather_caustics(
+            ends.lobes, *asked, ends.vertices, len(ends.vertices), samples, np.zeros(SIGHT)
+        )
+        if kinds:
+            kinds.add_caustics(ends, *asked, samples)
+    rays = Rays(prepared, len(ends.vertices) * settings.gather_rays)
+    count = _start_gather(prepared, settings, i, ends, rays)
+    rows = samples
+    if kinds:
+        # Each ray adds to a row of its own.
+        rows = np.zeros(count, SAMPLE)
+        slots, directions = (
+            rays.paths["slot"][:count].copy(),
+            rays.paths["direction"][:count].copy(),
+        )
+        rays.paths["slot"][:count] = np.arange(count)
+    far = _follow(prepared, settings, i, rays, count, True, rows)
+    if maps.global_ is not None:
+        gather_indirect(
+            far.lobes, maps.global_, maps.global_borders, maps.global_radius, far.vertices,
+            gather_order(maps.global_, far.vertices), rows, np.zeros(SIGHT),
+        )  # fmt: skip
+    if kinds:
+        at = np.zeros(len(samples), np.int32)
+        at[ends.vertices["slot"]] = np.arange(len(ends.vertices))
+        kinds.add(ends, at[slots], directions, rows["direct"].copy(), False)
+        kinds.add(ends, at[slots], directions, rows["indirect"].copy(), True)
+        sum_rays(samples, slots, rows)
+    return rays.traced
 
 
 def wide_only(lit: Lit) -> Lit:
@@ -180,6 +217,7 @@ def trace_camera(
     pixels: Pixels,
     rays: Rays,
     samples: NDArray[np.void],
+    kinds: KindLight | None = None,
 ) -> Lit:
     """Camera chains of ``pixels``: emission and first hits into ``samples``, their ends."""
     start_paths(
@@ -187,7 +225,10 @@ def trace_camera(
         region.image_width, settings.seed, i, pixels.start, pixels.stride, pixels.count,
         rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
-    return _follow(prepared, settings, i, rays, pixels.count, False, samples)
+    lit = _follow(prepared, settings, i, rays, pixels.count, False, samples, kinds)
+    if kinds:
+        kinds.end_camera(samples)
+    return lit
 
 
 def trace_gather(
@@ -195,11 +236,16 @@ def trace_gather(
 ) -> tuple[Lit, int]:
     """Final-gather rays from wide vertices: their half of direct light; (ends, rays)."""
     rays = Rays(prepared, len(lit.vertices) * settings.gather_rays)
-    count = start_gather(
+    count = _start_gather(prepared, settings, i, lit, rays)
+    return _follow(prepared, settings, i, rays, count, True, samples), rays.traced
+
+
+def _start_gather(prepared: Prepared, settings: Settings, i: int, lit: Lit, rays: Rays) -> int:
+    count: int = start_gather(
         i, settings.gather_rays, prepared.materials, lit.lobes, lit.vertices,
         len(lit.vertices), rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
-    return _follow(prepared, settings, i, rays, count, True, samples), rays.traced
+    return count
 
 
 def _follow(
@@ -210,6 +256,7 @@ def _follow(
     count: int,
     gather: bool,
     samples: NDArray[np.void],
+    kinds: KindLight | None = None,
 ) -> Lit:
     """Follow ``count`` chains to their ends."""
     # The first step ends most chains: the rest add little to a list that fits them.
@@ -220,12 +267,16 @@ def _follow(
         rays.traced += count
         hits = prepared.intersector.nearest(rays.origins[:count], rays.directions[:count])
         vertices = np.zeros(count, VERTEX)
+        if kinds:
+            kinds.begin(rays.paths[:count])
         count, lit, used = step_paths(
             prepared.mesh, prepared.materials, rays.lobes, prepared.shading, prepared.lights,
             prepared.camera, i, gather, settings.transparent, settings.camera_depth,
             settings.min_throughput, own, hits.face, hits.u, hits.v, rays.hits, count,
             rays.origins, rays.directions, rays.paths, vertices, samples,
         )  # fmt: skip
+        if kinds:
+            kinds.end(rays.paths[:count], samples)
         if not lit:
             continue
         vertices = vertices[:lit]
@@ -249,6 +300,7 @@ def _light_directly(
     lit: Lit,
     shadows: ShadowMap | None,
     samples: NDArray[np.void],
+    kinds: KindLight | None,
 ) -> int:
     """Next-event estimation at the vertices; the number of shadow rays."""
     count = len(lit.vertices)
@@ -275,4 +327,8 @@ def _light_directly(
         rest = (np.ascontiguousarray(column[left]) for column in rays)
         free[left], traced = free_part(prepared, prepared.lobe_room(0), *rest)
     add_direct(free, slots, radiance, asked, samples)
+    if kinds:
+        asking = asking[:asked]
+        wi = directions_to_lights(lit, asking, *rays)
+        kinds.add(lit, asking, wi, radiance[:asked] * free, False)
     return traced

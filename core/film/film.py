@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..sampling.rng import REPLICATES
 from .accumulate import add_samples, bias_square, relative_mean, variance_of_mean
 from .first_hits import FirstHits
-from .layers import FIRST_HIT_LAYERS, LIGHT_LAYERS
+from .layers import FIRST_HIT_LAYERS, KIND_COLORS, KIND_LAYERS, KINDS, LIGHT_LAYERS
 from .stated_error import UNKNOWN, StatedError
 
 #: Depth of a pixel that sees nothing [m].
@@ -55,7 +55,8 @@ class Film:
     """The picture so far, ``height`` rows from the bottom, ``width`` pixels each.
 
     ``LAYERS`` are always there, ``first_hits`` hold those that were asked for beside them.
-    Memory: 21 float64 sums, 18 for the error and 5 counters: 332 bytes a pixel.
+    Memory: 21 float64 sums, 18 for the error and 5 counters: 332 bytes a pixel, and 144 for
+    the light by kind if it is kept.
     """
 
     LAYERS: ClassVar[dict[str, int]] = {
@@ -77,6 +78,7 @@ class Film:
         exposure: float = 1.0,
         first_hit: tuple[str, ...] = (),
         matte_ranks: int = 6,
+        light_kinds: bool = False,
     ) -> None:
         self.width = width
         self.height = height
@@ -89,12 +91,14 @@ class Film:
         self._part_count = np.zeros((REPLICATES, count), np.int32)
         self._shrink = np.zeros((2, count, 3))
         self.first_hits = FirstHits(count, first_hit, matte_ranks) if first_hit else None
+        self._kinds = np.zeros((count, len(KIND_LAYERS), 3)) if light_kinds else None
 
     @property
     def nbytes(self) -> int:
         """Memory of the sums [bytes]."""
         parts = (self._sum, self._count, self._part_sum, self._part_count, self._shrink)
         own = sum(part.nbytes for part in parts)
+        own += self._kinds.nbytes if self._kinds is not None else 0
         return own + (self.first_hits.nbytes if self.first_hits else 0)
 
     @property
@@ -120,10 +124,22 @@ class Film:
             3 * len(LIGHT_LAYERS),
         )
 
-    def add_first_hits(self, i: int, start: int, rows: NDArray[np.void]) -> None:
-        """Add pass ``i``'s ``rows`` (n,) ``FIRST_HIT`` to the pixels from ``start`` on."""
-        assert self.first_hits is not None
-        self.first_hits.add(i, start, rows)
+    def add_asked(
+        self,
+        i: int,
+        start: int,
+        first_hits: NDArray[np.void] | None,
+        kinds: NDArray[np.float64] | None,
+    ) -> None:
+        """Add what pass ``i`` has beside the light, to the pixels from ``start`` on.
+
+        ``first_hits`` (n,) ``FIRST_HIT``, ``kinds`` (n, 6, 3) finite light by
+        ``KIND_LAYERS``; None for what was not asked for.
+        """
+        if self.first_hits is not None and first_hits is not None:
+            self.first_hits.add(i, start, first_hits)
+        if self._kinds is not None and kinds is not None:
+            self._kinds[start : start + len(kinds)] += kinds
 
     def merge(self, other: Film) -> None:
         """Add the passes of ``other``, a film of the same size and other pass numbers."""
@@ -139,6 +155,8 @@ class Film:
         self._shrink += other._shrink
         if self.first_hits is not None and other.first_hits is not None:
             self.first_hits.merge(other.first_hits)
+        if self._kinds is not None and other._kinds is not None:
+            self._kinds += other._kinds
         for name, value in vars(other.statistics).items():
             setattr(self.statistics, name, getattr(self.statistics, name) + value)
 
@@ -151,6 +169,8 @@ class Film:
         """
         if layer in FIRST_HIT_LAYERS:
             return self._first_hit(layer)
+        if layer in KIND_LAYERS:
+            return self._kind(layer)
         if layer not in self.LAYERS:
             raise ValueError(f"no layer '{layer}'; there are {', '.join(self.LAYERS)}")
         if layer == "error":
@@ -182,6 +202,17 @@ class Film:
             plane = plane * self.exposure
         shape = (self.height, self.width, plane.shape[1])
         return np.ascontiguousarray(plane.reshape(shape), dtype=np.float32)
+
+    def _kind(self, layer: str) -> NDArray[np.float32]:
+        """Light of one kind over the colour of that kind, 0 where that is black."""
+        if self._kinds is None or self.first_hits is None:
+            raise ValueError(f"layer '{layer}' was not rendered: ask for it in the settings")
+        k = KIND_LAYERS.index(layer)
+        color = self.first_hits.resolve(KIND_COLORS[k % len(KINDS)])
+        light = self.exposure * self._kinds[:, k] / np.maximum(self._count, 1)[:, None]
+        out = np.divide(light, color, out=np.zeros_like(light), where=color > 0)
+        shape = (self.height, self.width, 3)
+        return np.ascontiguousarray(out.reshape(shape), dtype=np.float32)
 
     def _error(self) -> NDArray[np.float32]:
         from scipy.ndimage import uniform_filter

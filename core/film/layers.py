@@ -5,6 +5,14 @@ from __future__ import annotations
 #: Layers whose sum is the picture.
 LIGHT_LAYERS = ("emission", "direct", "caustics", "indirect")
 
+#: The picture apart by what its light did at the first surface: diffuse, glossy or
+#: transmitted, straight from a light or not (``Settings.light_kinds``). Divided by the
+#: colour of that kind, so that (direct + indirect) x colour, summed over the kinds, and
+#: "seen_emission" and "environment" make the picture.
+KINDS = ("diffuse", "glossy", "transmission")
+KIND_COLORS = tuple(f"{kind}_color" for kind in KINDS)
+KIND_LAYERS = tuple(f"{kind}_{way}" for way in ("direct", "indirect") for kind in KINDS)
+
 #: Data of the surfaces that the camera sees at once, traced on demand (``first_hits``): of
 #: one path, ...
 SINGLE_LAYERS = {"position": 3, "distance": 1, "object_index": 1, "material_index": 1}

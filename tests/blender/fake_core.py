@@ -33,10 +33,10 @@ class FakeFilm:
         rows, columns = np.mgrid[y0:y1, x0:x1]
         direct = np.stack([columns, rows, np.full_like(rows, faces)], axis=2)
         self.layers = {
-            "direct": direct,
-            "emission": self.flat(0.25),
+            "diffuse_direct": direct,
+            "seen_emission": self.flat(0.25),
             "caustics": self.flat(0.5),
-            "indirect": self.flat(0.125),
+            "transmission_indirect": self.flat(0.125),
             "normal": self.flat(0.0, 0.6, 0.8),
             "distance": self.flat(7.0),
             "end_albedo": self.flat(0.1, 0.2, 0.3),
@@ -45,7 +45,7 @@ class FakeFilm:
             "error": self.flat(0.01),
             "combined": np.concatenate([direct + 0.875, self.flat(1.0)], axis=2),
         }
-        for layer in ("emission", "caustics", "indirect"):
+        for layer in ("seen_emission", "caustics", "transmission_indirect"):
             self.layers[layer] = np.repeat(self.layers[layer], 3, axis=2)
         self.LAYERS = {name: layer.shape[2] for name, layer in self.layers.items()}
 

@@ -25,7 +25,7 @@ def test_the_first_row_is_at_the_bottom(bpy: Any, core: Any, tmp_path: Path) -> 
 
 def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
     layer = bpy.context.view_layer
-    for toggle in ("z", "normal", "diffuse_direct", "diffuse_indirect", "emit"):
+    for toggle in ("z", "normal", "diffuse_direct", "transmission_indirect", "emit"):
         setattr(layer, f"use_pass_{toggle}", True)
     layer.photon_map.use_pass_denoising = True
     layer.photon_map.use_pass_error = True
@@ -35,7 +35,7 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
     image = read_exr(tmp_path / "a.exr")
     names = {
         "direct": "Diffuse Direct" if new else "DiffDir",
-        "indirect": "Diffuse Indirect" if new else "DiffInd",
+        "indirect": "Transmission Indirect" if new else "TransInd",
         "emission": "Emission" if new else "Emit",
     }
     assert set(image) == {

@@ -22,6 +22,12 @@ from tests.blender.support import (
     save_exr,
 )
 
+#: Names of passes before Blender 5.0, and since then.
+SHORT = {"Diffuse": "Diff", "Glossy": "Gloss", "Transmission": "Trans"}
+WAYS = {"Direct": "Dir", "Indirect": "Ind", "Color": "Col"}
+OLD = {f"{a}{b}": f"{kind} {way}" for kind, a in SHORT.items() for way, b in WAYS.items()}
+OLD |= {"Env": "Environment", "Emit": "Emission"}
+
 
 @pytest.fixture
 def small(bpy: Any) -> Any:
@@ -89,21 +95,26 @@ def test_passes_add_up_to_combined(bpy: Any, small: Any, tmp_path: Path) -> None
     lamp = add_mesh(bpy, "Lamp", SQUARE, glow)
     lamp.location, lamp.scale = (-1.2, 0.0, 1.5), (0.3, 0.3, 1.0)
     layer = bpy.context.view_layer
-    for toggle in ("z", "normal", "diffuse_direct", "diffuse_indirect", "emit"):
+    kinds = [(kind, f"use_pass_{kind.lower()}") for kind in SHORT]
+    for _, toggle in kinds:
+        for way in ("direct", "indirect", "color"):
+            setattr(layer, f"{toggle}_{way}", True)
+    for toggle in ("z", "normal", "emit", "environment"):
         setattr(layer, f"use_pass_{toggle}", True)
     save_exr(bpy, tmp_path / "a.exr")
     headless_render(bpy)
     image = {name.split(".")[1]: data for name, data in read_exr(tmp_path / "a.exr").items()}
-    new = bpy.app.version >= (5, 0, 0)
-    direct, indirect, emission = (
-        ("Diffuse Direct", "Diffuse Indirect", "Emission")
-        if new
-        else ("DiffDir", "DiffInd", "Emit")
-    )
-    parts = [image[name] for name in (direct, indirect, emission, "Caustics")]
-    assert sum(parts) == pytest.approx(image["Combined"][..., :3], rel=1e-4, abs=1e-6)
-    for name in (direct, indirect, emission, "Caustics"):
+    if bpy.app.version < (5, 0, 0):
+        image |= {new: image[old] for old, new in OLD.items() if old in image}
+    total = image["Emission"] + image["Environment"]
+    for kind, _ in kinds:
+        light = image[f"{kind} Direct"] + image[f"{kind} Indirect"]
+        total = total + light * image[f"{kind} Color"]
+    assert total == pytest.approx(image["Combined"][..., :3], rel=1e-3, abs=1e-6)
+    for name in ("Diffuse Direct", "Diffuse Indirect", "Emission", "Caustics"):
         assert image[name].max() > 0, name
+    assert (image["Transmission Direct"] == 0).all(), "glass has two faces"
+    assert image["Transmission Indirect"].max() > 0
     assert image["Depth"].min() == pytest.approx(2.5, abs=0.02), "the top of the cube"
     corner = image["Normal"][0, 0]
     assert corner == pytest.approx([0.0, 0.0, 1.0], abs=1e-5)
