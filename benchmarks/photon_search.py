@@ -19,6 +19,7 @@ from photon_map.core.geometry.vector import dot, read, subtract
 from photon_map.core.jit import Row, Table, kernel
 from photon_map.core.photons.gather import gather_irradiance
 from photon_map.core.photons.photon_map import PhotonMap, build_photon_map
+from photon_map.core.photons.rows import CELL
 from photon_map.core.photons.sight import SIGHT
 from photon_map.core.photons.trace import PHOTON, Walk
 from photon_map.tests.scenes import sphere
@@ -82,10 +83,10 @@ def search() -> None:
             if radius > 0.3:
                 continue
             walk = [Walk(photons, order, 0)]
-            grid: PhotonMap = build_photon_map(walk, 2 * radius)
+            grid: PhotonMap = build_photon_map(walk, CELL * radius)
             out = np.zeros(len(places))
             found = ask_grid(grid, places, normals, radius, np.zeros(SIGHT), out)
-            sort = timed(lambda w=walk, r=radius: build_photon_map(w, 2 * r))
+            sort = timed(lambda w=walk, r=radius: build_photon_map(w, CELL * r))
             ask = timed(
                 lambda g=grid, p=places, n=normals, r=radius, o=out: ask_grid(
                     g, p, n, r, np.zeros(SIGHT), o

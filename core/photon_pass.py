@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .camera_pass.chunk import PhotonMaps, Region
 from .photons.photon_map import build_photon_map
 from .photons.radius import GLOBAL_ALPHA, radius_factor
+from .photons.rows import CELL
 from .photons.shadow import shadow_map
 from .photons.trace import Walk, Watcher, trace_photons
 from .pilot import PILOT_PASS, Radii, first_radii, no_radii
@@ -117,7 +118,7 @@ def photon_maps(
     footprints, least, most, cell = (factor * r for r in radii.caustic)
     return PhotonMaps(
         caustic=build_photon_map(caustic, cell) if caustic else None,
-        global_=build_photon_map(global_, 2 * global_radius) if global_ else None,
+        global_=build_photon_map(global_, CELL * global_radius) if global_ else None,
         caustic_radii=(footprints, least, most),
         global_radius=global_radius,
         caustic_borders=radii.caustic_borders,

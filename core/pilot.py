@@ -14,6 +14,7 @@ from .geometry.borders import border_sides, borders_of, joined, no_borders, shor
 from .geometry.crossings import crossings
 from .geometry.surfaces import Surfaces
 from .photons.coverage import MOST_PIECES, BorderGrid, border_grid
+from .photons.rows import CELL
 from .photons.shadow import ShadowMap
 from .prepared import Prepared
 from .settings import Settings
@@ -72,7 +73,7 @@ def first_radii(
     seen = footprints(prepared.camera, np.ascontiguousarray(ends.vertices["length"]))
     typical = float(np.median(seen)) if len(seen) else 1e-3 * size
     typical = max(typical * settings.caustic_radius, 1e-7 * size)
-    caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, 2 * typical)
+    caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, CELL * typical)
     radius = _global_radius(photons, far.vertices["p"], size)
     grids = _borders(prepared, [caustic[2], radius] if caustics else [radius])
     return Radii(caustic, radius, grids[0], grids[-1])

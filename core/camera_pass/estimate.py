@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 from ..geometry.vector import scale, subtract, vector
 from ..jit import Row, Table, kernel
-from ..photons.coverage import LEAST_SHARE, coverage, look_around
+from ..photons.coverage import look_around
 from ..photons.gather import gather_radiance
-from ..photons.sight import seen_share
 from .seen import add
-
-_HALF_AREA = 1.0 / math.sqrt(2.0)
 
 
 @kernel
@@ -33,17 +28,12 @@ def add_estimate(
     p = vector(vertex.p)
     ng = vector(vertex.ng)
     outside = vertex.entering != 0
-    parted, share = look_around(borders, p, ng, outside, radius, sight)
+    _, share, half = look_around(borders, p, ng, outside, radius, sight)
     radiance, inner, found = gather_radiance(
         photon_map, p, ng, vector(vertex.ns), vector(vertex.wo), radius, vertex, lobes, sight
     )
     if found == 0:
         return
-    half = 1.0
-    if parted:
-        half = max(LEAST_SHARE, seen_share(sight, _HALF_AREA))
-    elif share < 1.0:
-        half = coverage(borders, p, ng, outside, _HALF_AREA * radius)
     radiance = scale(radiance, 1.0 / share)
     inner = scale(inner, 1.0 / half)
     add(layer, vertex.beta, radiance, 1.0)

@@ -23,11 +23,18 @@ def cell_key(x: int, y: int, z: int) -> int:
 
 
 @kernel
-def bucket_of(key: int, buckets: int) -> int:
+def bucket_of(key: int, buckets: int) -> np.int64:
     """Bucket of a cell in a table whose size is a power of two.
 
     Rows of cells along x lie in one piece of memory, each row somewhere else.
     """
     row = (np.uint64(key) >> np.uint64(_SHIFT)) * _X
     x = np.uint64(key) & np.uint64((1 << _SHIFT) - 1)
-    return int(((row >> np.uint64(32)) + x) & np.uint64(buckets - 1))
+    # Signed, as all indices are: with unsigned ones Numba's sums would be floats.
+    return np.int64(((row >> np.uint64(32)) + x) & np.uint64(buckets - 1))
+
+
+@kernel
+def row_of(key: int) -> int:
+    """The part of a cell's key that all cells along x share."""
+    return key >> _SHIFT

@@ -23,9 +23,12 @@ from ..geometry.borders import ABOVE, BELOW, CROSSING, Borders
 from ..geometry.vector import Vector, basis, dot, read, scale, subtract
 from ..jit import Row, Table, kernel
 from .cells import bucket_of, cell_key
-from .gather import LEAST_COSINE, MOST_HEIGHT
+from .gather import LEAST_COSINE
+from .rows import MOST_HEIGHT
 from .sight import SECTORS, end_sight, open_sight, seen_share
 
+#: Radius of a disc of half the area.
+HALF_AREA = 1.0 / math.sqrt(2.0)
 #: Least share that an estimate is divided by.
 LEAST_SHARE = 0.1
 #: Pieces of borders, each cut into 8 at most where its sides differ (81 bytes, and up to 8
@@ -120,26 +123,6 @@ def share_beyond(x0: float, y0: float, x1: float, y1: float) -> float:
 
 
 @kernel
-def coverage(grid: Row, p: Vector, ng: Vector, outside: bool, radius: float) -> float:
-    """Share of the kernel's disc about ``p`` that lies on surfaces; at least ``LEAST_SHARE``.
-
-    ``outside`` tells that ``ng`` is the side that the face's winding calls outside. Counts
-    as surface what ``photon_weight`` would count photons of.
-    """
-    first, last, key = pieces_near(grid, p)
-    n = ng if outside else scale(ng, -1.0)
-    share = 1.0
-    for k in range(first, last):
-        cosine = lies_by(grid, k, key, p, n, radius)
-        if cosine == 0.0 or grid.parts[grid.piece[k]] & CROSSING:
-            continue
-        a, b = on_disc(grid, grid.piece[k], p, n, radius)
-        part = share_beyond(a[0], a[1], b[0], b[1])
-        share -= part if cosine > 0.0 else -part
-    return min(1.0, max(LEAST_SHARE, share))
-
-
-@kernel
 def pieces_near(grid: Row, p: Vector) -> tuple[int, int, int]:
     """Entries that may lie in the cell of ``p``: (first, last + 1, key); others are not."""
     key = cell_key(
@@ -172,60 +155,75 @@ def lies_by(grid: Row, k: int, key: int, p: Vector, n: Vector, radius: float) ->
 
 @kernel
 def on_disc(
-    grid: Row, e: int, p: Vector, n: Vector, radius: float
+    grid: Row, e: int, p: Vector, frame: tuple[Vector, Vector], factor: float
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Both ends of piece ``e`` in the plane of ``n`` about ``p``, in radii."""
-    t, s = basis(n)
+    """Both ends of piece ``e`` in the plane of ``frame`` about ``p``, times ``factor``."""
+    t, s = frame
     a = subtract(read(grid.ends[e], 0), p)
     b = subtract(read(grid.ends[e], 1), p)
-    return (dot(a, t) / radius, dot(a, s) / radius), (dot(b, t) / radius, dot(b, s) / radius)
+    return (dot(a, t) * factor, dot(a, s) * factor), (dot(b, t) * factor, dot(b, s) * factor)
 
 
 @kernel
 def look_around(
     grid: Row, p: Vector, ng: Vector, outside: bool, radius: float, sight: Table
-) -> tuple[bool, float]:
+) -> tuple[bool, float, float]:
     """Whether surfaces part the disc about ``p``, and the share of the kernel that counts.
 
-    If so ``sight`` (SIGHT,) ends at all borders, else it is not asked for. A wall at the end
-    of a surface parts the disc only if another surface begins behind. For the others see
-    ``coverage``.
+    Returns (parted, share, share of the kernel on half the area), of what lies on surfaces
+    that the gather would count photons of; ``LEAST_SHARE`` at least. ``outside`` tells that
+    ``ng`` is the side that the face's winding calls outside. If parted, ``sight`` (SIGHT,)
+    ends at all borders, else it is not asked for. A wall at the end of a surface parts the
+    disc only if another surface begins behind.
     """
+    sight[SECTORS] = 0.0
     first, last, key = pieces_near(grid, p)
+    if first == last:
+        return False, 1.0, 1.0
     n = ng if outside else scale(ng, -1.0)
-    share = 1.0
+    frame = basis(n)
+    inverse = 1.0 / radius
+    share = half = 1.0
     wall = beyond = crossed = False
     for k in range(first, last):
         cosine = lies_by(grid, k, key, p, n, radius)
         if cosine == 0.0:
             continue
         e = grid.piece[k]
-        a, b = on_disc(grid, e, p, n, radius)
-        if not _is_within(a[0], a[1], b[0], b[1]):
+        a, b = on_disc(grid, e, p, frame, inverse)
+        square = _nearest(a[0], a[1], b[0], b[1])
+        if square >= 1.0:
             continue
         if grid.parts[e] & CROSSING:
             crossed = True
             continue
-        part = share_beyond(a[0], a[1], b[0], b[1])
-        part = part if cosine > 0.0 else -part
+        side = 1.0 if cosine > 0.0 else -1.0
+        part = side * share_beyond(a[0], a[1], b[0], b[1])
         share -= part
+        if square < HALF_AREA * HALF_AREA:
+            a, b = on_disc(grid, e, p, frame, inverse / HALF_AREA)
+            half -= side * share_beyond(a[0], a[1], b[0], b[1])
         beyond = beyond or part < 0.0
         above = (cosine > 0.0) == outside
         wall = wall or (grid.parts[e] & (ABOVE if above else BELOW)) != 0
-    sight[SECTORS] = 0.0
     if not crossed and not (wall and beyond):
-        return False, min(1.0, max(LEAST_SHARE, share))
+        return False, min(1.0, max(LEAST_SHARE, share)), min(1.0, max(LEAST_SHARE, half))
     open_sight(sight)
+    frame = basis(ng)
     for k in range(first, last):
         if lies_by(grid, k, key, p, n, radius) != 0.0:
-            a, b = on_disc(grid, grid.piece[k], p, ng, radius)
+            a, b = on_disc(grid, grid.piece[k], p, frame, inverse)
             end_sight(sight, a[0], a[1], b[0], b[1])
-    return True, max(LEAST_SHARE, seen_share(sight, 1.0))
+    return (
+        True,
+        max(LEAST_SHARE, seen_share(sight, 1.0)),
+        max(LEAST_SHARE, seen_share(sight, HALF_AREA)),
+    )
 
 
 @kernel
-def _is_within(x0: float, y0: float, x1: float, y1: float) -> bool:
-    """Whether a line from (x0, y0) to (x1, y1) comes nearer to the middle than 1."""
+def _nearest(x0: float, y0: float, x1: float, y1: float) -> float:
+    """Squared distance from the middle to a line from (x0, y0) to (x1, y1)."""
     dx = x1 - x0
     dy = y1 - y0
     square = dx * dx + dy * dy
@@ -234,4 +232,4 @@ def _is_within(x0: float, y0: float, x1: float, y1: float) -> bool:
         along = min(1.0, max(0.0, -(x0 * dx + y0 * dy) / square))
     x = x0 + along * dx
     y = y0 + along * dy
-    return x * x + y * y < 1.0
+    return x * x + y * y

@@ -19,76 +19,41 @@ from ..bsdf.dispatch import (
 from ..geometry.vector import Vector, scale, times, vector
 from ..jit import Row, Table, kernel
 from ..sampling.warps import INV_PI
-from .cells import bucket_of, cell_key
+from .cells import row_of
+from .rows import MOST_HEIGHT, cells_near, largest_radius, photons_in, rows_near
 from .sight import SECTORS, is_hidden
 
-#: Photons count when their surface's normal is within 45 degrees of the query's, ...
+#: Photons count when their surface's normal is within 45 degrees of the query's.
 LEAST_COSINE = 0.7
-#: ... when they lie within this part of the radius of its tangent plane, ...
-MOST_HEIGHT = 0.3
-#: ... and a radius covers at most this many cells to each side of its own.
-MOST_CELLS = 3
 
 
 @kernel
-def largest_radius(cell: float) -> float:
-    """Radius that a query may have at most in a grid of this cell."""
-    return cell * MOST_CELLS
-
-
-@kernel
-def cell_range(
-    cell: float, p: Vector, radius: float
-) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
-    """First and last cell that a ball about ``p`` touches."""
-    return (
-        int(math.floor((p[0] - radius) / cell)),
-        int(math.floor((p[1] - radius) / cell)),
-        int(math.floor((p[2] - radius) / cell)),
-    ), (
-        int(math.floor((p[0] + radius) / cell)),
-        int(math.floor((p[1] + radius) / cell)),
-        int(math.floor((p[2] + radius) / cell)),
-    )
-
-
-@kernel
-def bucket_slice(
-    photon_map: Row, x: int, y: int, z: int, p: Vector, ng: Vector, radius: float
-) -> tuple[int, int, int]:
-    """Photons that may lie in a cell: (first, last + 1, key); those of other keys are not."""
-    if not _may_hold(x, y, z, photon_map.cell, p, ng, radius, MOST_HEIGHT * radius):
-        return 0, 0, 0
-    key = cell_key(x, y, z)
-    bucket = bucket_of(key, len(photon_map.start) - 1)
-    return photon_map.start[bucket], photon_map.start[bucket + 1], key
-
-
-@kernel
-def photon_weight(
-    photon: Row, p: Vector, ng: Vector, radius: float, both: bool
-) -> tuple[float, float]:
-    """(1 - d^2 / r^2 on the tangent plane, cosine of the normals); 0 outside the disc.
-
-    The weight is 0 on another surface too. A curved surface has more area, and so more
-    photons, than its shadow on the tangent plane by the inverse of that cosine. ``both``:
-    photons that came from the other side of the surface count too.
-    """
-    dx = photon.position[0] - p[0]
-    dy = photon.position[1] - p[1]
-    dz = photon.position[2] - p[2]
+def disc_weight(
+    places: Table, k: int, p: Vector, ng: Vector, radius: float, inverse: float
+) -> float:
+    """1 - d^2 / r^2 of place ``k`` on the tangent plane; 0 outside the disc."""
+    dx = places[k, 0] - p[0]
+    dy = places[k, 1] - p[1]
+    dz = places[k, 2] - p[2]
     height = dx * ng[0] + dy * ng[1] + dz * ng[2]
     d2 = dx * dx + dy * dy + dz * dz - height * height
-    r2 = radius * radius
-    if d2 >= r2 or abs(height) > MOST_HEIGHT * radius:
-        return 0.0, 0.0
+    if abs(height) > MOST_HEIGHT * radius:
+        return 0.0
+    return 1.0 - d2 * inverse
+
+
+@kernel
+def facing(photon: Row, ng: Vector, both: bool) -> float:
+    """Cosine of the normals; 0 on another surface than the disc's.
+
+    A curved surface has more area, and so more photons, than its shadow on the tangent plane
+    by the inverse of that cosine. ``both``: photons that came from the other side count too.
+    """
     normal = photon.normal
     cosine = normal[0] * ng[0] + normal[1] * ng[1] + normal[2] * ng[2]
     if both:
         cosine = abs(cosine)
-    if cosine < LEAST_COSINE:
-        return 0.0, 0.0
-    return 1.0 - d2 / r2, cosine
+    return cosine if cosine >= LEAST_COSINE else 0.0
 
 
 @kernel
@@ -96,26 +61,6 @@ def _to(photon: Row, p: Vector) -> Vector:
     """The way from ``p`` to a photon."""
     x = photon.position
     return x[0] - p[0], x[1] - p[1], x[2] - p[2]
-
-
-@kernel
-def _may_hold(
-    x: int, y: int, z: int, cell: float, p: Vector, ng: Vector, radius: float, high: float
-) -> bool:
-    """Whether the cell's box meets the query's slab: cheaper than looking the cell up."""
-    half = 0.5 * cell
-    dx = (x + 0.5) * cell - p[0]
-    dy = (y + 0.5) * cell - p[1]
-    dz = (z + 0.5) * cell - p[2]
-    reach = half * (abs(ng[0]) + abs(ng[1]) + abs(ng[2])) + high
-    if abs(dx * ng[0] + dy * ng[1] + dz * ng[2]) > reach:
-        return False
-    # The disc's corners stick out of the ball by at most the slab's height.
-    ball = radius * radius + high * high
-    gap_x = max(0.0, abs(dx) - half)
-    gap_y = max(0.0, abs(dy) - half)
-    gap_z = max(0.0, abs(dz) - half)
-    return gap_x * gap_x + gap_y * gap_y + gap_z * gap_z <= ball
 
 
 @kernel
@@ -146,15 +91,22 @@ def gather_radiance(
     found = 0
     parted = sight[SECTORS] != 0.0
     radius = min(radius, largest_radius(photon_map.cell))
-    low, high = cell_range(photon_map.cell, p, radius)
-    for z in range(low[2], high[2] + 1):
-        for y in range(low[1], high[1] + 1):
-            for x in range(low[0], high[0] + 1):
-                first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
+    inverse = 1.0 / (radius * radius)
+    first_y, last_y, first_z, last_z = rows_near(photon_map.cell, p, ng, radius)
+    for z in range(first_z, last_z + 1):
+        for y in range(first_y, last_y + 1):
+            bucket, count, row = cells_near(photon_map, y, z, p, ng, radius)
+            if count == 0:
+                continue
+            for part in range(2):
+                first, last = photons_in(photon_map.start, bucket, count, part)
                 for k in range(first, last):
+                    weight = disc_weight(photon_map.places, k, p, ng, radius, inverse)
+                    if weight <= 0.0 or row_of(photon_map.keys[k]) != row:
+                        continue
                     photon = photon_map.photons[k]
-                    weight, cosine = photon_weight(photon, p, ng, radius, both)
-                    if weight <= 0.0 or photon_map.keys[k] != key:
+                    cosine = facing(photon, ng, both)
+                    if cosine == 0.0:
                         continue
                     if parted and is_hidden(sight, _to(photon, p), ng, radius):
                         continue
@@ -188,15 +140,22 @@ def gather_irradiance(
     found = 0
     parted = sight[SECTORS] != 0.0
     radius = min(radius, largest_radius(photon_map.cell))
-    low, high = cell_range(photon_map.cell, p, radius)
-    for z in range(low[2], high[2] + 1):
-        for y in range(low[1], high[1] + 1):
-            for x in range(low[0], high[0] + 1):
-                first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
+    inverse = 1.0 / (radius * radius)
+    first_y, last_y, first_z, last_z = rows_near(photon_map.cell, p, ng, radius)
+    for z in range(first_z, last_z + 1):
+        for y in range(first_y, last_y + 1):
+            bucket, count, row = cells_near(photon_map, y, z, p, ng, radius)
+            if count == 0:
+                continue
+            for part in range(2):
+                first, last = photons_in(photon_map.start, bucket, count, part)
                 for k in range(first, last):
+                    weight = disc_weight(photon_map.places, k, p, ng, radius, inverse)
+                    if weight <= 0.0 or row_of(photon_map.keys[k]) != row:
+                        continue
                     photon = photon_map.photons[k]
-                    weight, cosine = photon_weight(photon, p, ng, radius, False)
-                    if weight <= 0.0 or photon_map.keys[k] != key:
+                    cosine = facing(photon, ng, False)
+                    if cosine == 0.0:
                         continue
                     if parted and is_hidden(sight, _to(photon, p), ng, radius):
                         continue

@@ -16,11 +16,13 @@ from .trace import PHOTON, Walk
 class PhotonMap(NamedTuple):
     """One pass's photons of one kind.
 
-    photons (N,) ``PHOTON`` in bucket order; keys (N,) i8 the cell of each; start (B+1,)
-    i4 first photon of each bucket, B a power of two; cell: edge [m].
+    photons (N,) ``PHOTON`` in bucket order; places (N, 3) f4 their positions once more, for
+    the search; keys (N,) i8 the cell of each; start (B+1,) i4 first photon of each bucket, B
+    a power of two; cell: edge [m].
     """
 
     photons: NDArray[np.void]
+    places: NDArray[np.float32]
     keys: NDArray[np.int64]
     start: NDArray[np.int32]
     cell: float
@@ -34,7 +36,8 @@ def build_photon_map(walks: list[Walk], cell: float) -> PhotonMap:
     """
     photons = np.concatenate([w.photons for w in walks]) if walks else np.zeros(0, PHOTON)
     order = np.concatenate([w.order for w in walks]) if walks else np.zeros(0, np.int64)
-    buckets = 1 << max(4, math.ceil(math.log2(max(1, len(photons)))))
+    # More buckets than photons: a disc's cells then share few with those of other rows.
+    buckets = 4 << max(4, math.ceil(math.log2(max(1, len(photons)))))
     first = np.argsort(order, kind="stable")
     sorted_photons = np.zeros(len(photons), PHOTON)
     keys = np.zeros(len(photons), np.int64)
@@ -44,7 +47,8 @@ def build_photon_map(walks: list[Walk], cell: float) -> PhotonMap:
     find_cells(photons, first, cell, own, bucket, start)
     place = start[:-1].copy()
     sort_into_cells(photons, first, own, bucket, place, sorted_photons, keys)
-    return PhotonMap(sorted_photons, keys, start, cell)
+    places = np.ascontiguousarray(sorted_photons["position"])
+    return PhotonMap(sorted_photons, places, keys, start, cell)
 
 
 @kernel

@@ -20,9 +20,11 @@ from ..geometry.vector import dot, vector
 from ..jit import Row, Table, kernel
 from ..sampling.rng import PHOTON_GLOBAL
 from ..scene.tables import Visibility
+from .cells import row_of
 from .emit import PHOTON_PATH, emit_photons
-from .gather import bucket_slice, cell_range, largest_radius, photon_weight
+from .gather import disc_weight, facing
 from .photon_map import PhotonMap, build_photon_map
+from .rows import CELL, cells_near, largest_radius, photons_in, rows_near
 from .trace import PHOTON, Walk
 
 if TYPE_CHECKING:
@@ -63,7 +65,7 @@ def shadow_map(prepared: Prepared, settings: Settings) -> ShadowMap:
     radius = _radius(photons["position"], lamps, prepared.centre.radius)
     walk = Walk(photons, np.arange(len(photons), dtype=np.int64), 0)
     return ShadowMap(
-        build_photon_map([walk], 2 * radius), radius, settings.shadow_lit,
+        build_photon_map([walk], CELL * radius), radius, settings.shadow_lit,
         settings.shadow_dark, settings.shadow_least,
     )  # fmt: skip
 
@@ -151,18 +153,24 @@ def count_photons(shadows: Row, entry: int, p: Row, ng: Row) -> tuple[int, int]:
     """Direct and shadow photons of light ``entry`` in the disc about ``p``."""
     photon_map = shadows.photons
     radius = min(shadows.radius, largest_radius(photon_map.cell))
-    low, high = cell_range(photon_map.cell, p, radius)
+    inverse = 1.0 / (radius * radius)
+    first_y, last_y, first_z, last_z = rows_near(photon_map.cell, p, ng, radius)
     direct = 0
     shadow = 0
-    for z in range(low[2], high[2] + 1):
-        for y in range(low[1], high[1] + 1):
-            for x in range(low[0], high[0] + 1):
-                first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
+    for z in range(first_z, last_z + 1):
+        for y in range(first_y, last_y + 1):
+            bucket, count, row = cells_near(photon_map, y, z, p, ng, radius)
+            if count == 0:
+                continue
+            for part in range(2):
+                first, last = photons_in(photon_map.start, bucket, count, part)
                 for k in range(first, last):
                     photon = photon_map.photons[k]
-                    if photon.part // 2 != entry or photon_map.keys[k] != key:
+                    if photon.part // 2 != entry or row_of(photon_map.keys[k]) != row:
                         continue
-                    if photon_weight(photon, p, ng, radius, False)[0] <= 0.0:
+                    if disc_weight(photon_map.places, k, p, ng, radius, inverse) <= 0.0:
+                        continue
+                    if facing(photon, ng, False) == 0.0:
                         continue
                     if photon.part % 2:
                         shadow += 1

@@ -11,16 +11,28 @@ from scipy import integrate
 from photon_map.core.geometry.borders import Borders
 from photon_map.core.geometry.intersector import Intersector
 from photon_map.core.photons.coverage import (
+    HALF_AREA,
     LEAST_SHARE,
     MOST_IN_CELL,
     border_grid,
-    coverage,
+    look_around,
     share_beyond,
 )
+from photon_map.core.photons.sight import SIGHT
 from photon_map.tests import scenes
 from photon_map.tests.meshes import all_borders, joined, mesh_of
 
 UP = (0.0, 0.0, 1.0)
+
+
+def coverage(*query):
+    """The share of the disc of a query that nothing parts."""
+    parted, share, half = look_around(*query, np.zeros(SIGHT))
+    assert not parted
+    # A disc of half the area has the same height, within which these tests stay.
+    *place, radius = query
+    assert half == pytest.approx(look_around(*place, radius * HALF_AREA, np.zeros(SIGHT))[1])
+    return share
 
 
 def grid_of(mesh, radius):
