@@ -29,7 +29,7 @@ from .photon_pass import (
 )
 from .photon_view import known_walk, view_of
 from .photons.coverage import BorderGrid, look_around
-from .photons.gather import photon_weight
+from .photons.gather import disc_weight, facing
 from .photons.sight import SIGHT, is_hidden
 from .photons.trace import PHOTON
 from .plan import Plan
@@ -158,9 +158,11 @@ class ViewedPass:
     def _disc(self, place: Place, caustic: bool, radius: float, borders: BorderGrid) -> Disc:
         rows = np.flatnonzero(self.view.caustic == caustic)
         weight = np.zeros(len(rows))
+        photons = self._photons[rows]
         share = weigh_disc(
-            borders, self._photons[rows], place.position - self._prepared.centre.origin,
-            place.normal, place.outside, radius, np.zeros(SIGHT), weight,
+            borders, photons, np.ascontiguousarray(photons["position"]),
+            place.position - self._prepared.centre.origin, place.normal, place.outside, radius,
+            np.zeros(SIGHT), weight,
         )  # fmt: skip
         inside = weight > 0
         weight = weight[inside] / share
@@ -246,6 +248,7 @@ def hit_points(prepared: Prepared, hits: Hits) -> NDArray[np.float64]:
 def weigh_disc(
     borders: Row,
     photons: Table,
+    places: Table,
     p: Vector,
     ng: Vector,
     outside: bool,
@@ -253,18 +256,19 @@ def weigh_disc(
     sight: Table,
     weight: Table,
 ) -> float:
-    """Density weights [1/m^2] of ``photons`` in the disc about ``p``, by the gather's gates.
+    """Density weights [1/m^2] of ``photons`` at ``places`` in the disc about ``p``.
 
     Returns the share of the disc that they are still to be divided by; the others stay 0.
     """
     centre = (p[0], p[1], p[2])
     normal = (ng[0], ng[1], ng[2])
-    parted, share = look_around(borders, centre, normal, outside, radius, sight)
+    parted, share, _ = look_around(borders, centre, normal, outside, radius, sight)
     norm = 2.0 / (np.pi * radius * radius)
     for k in range(len(photons)):
         photon = photons[k]
-        near, cosine = photon_weight(photon, centre, normal, radius, False)
-        if near <= 0.0:
+        near = disc_weight(places, k, centre, normal, radius, 1.0 / (radius * radius))
+        cosine = facing(photon, normal, False)
+        if near <= 0.0 or cosine == 0.0:
             continue
         x = photon.position
         to = (x[0] - p[0], x[1] - p[1], x[2] - p[2])

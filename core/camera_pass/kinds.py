@@ -20,9 +20,11 @@ from ..film.layers import KIND_LAYERS
 from ..geometry.vector import Vector, dot, scale, subtract, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR
+from ..photons.cells import row_of
 from ..photons.coverage import look_around
-from ..photons.gather import bucket_slice, cell_range, largest_radius, photon_weight
+from ..photons.gather import disc_weight, facing
 from ..photons.photon_map import PhotonMap
+from ..photons.rows import cells_near, largest_radius, photons_in, rows_near
 from ..photons.sight import SECTORS, SIGHT, is_hidden
 from ..scene.tables import Visibility
 from .caustics import disc_radius
@@ -227,15 +229,22 @@ def _gather_kinds(
     both = is_twosided(vertex, lobes)
     diffuse = glossy = transmitted = (0.0, 0.0, 0.0)
     radius = min(radius, largest_radius(photon_map.cell))
-    low, high = cell_range(photon_map.cell, p, radius)
-    for z in range(low[2], high[2] + 1):
-        for y in range(low[1], high[1] + 1):
-            for x in range(low[0], high[0] + 1):
-                first, last, key = bucket_slice(photon_map, x, y, z, p, ng, radius)
+    inverse = 1.0 / (radius * radius)
+    first_y, last_y, first_z, last_z = rows_near(photon_map.cell, p, ng, radius)
+    for z in range(first_z, last_z + 1):
+        for y in range(first_y, last_y + 1):
+            bucket, count, row = cells_near(photon_map, y, z, p, ng, radius)
+            if count == 0:
+                continue
+            for part in range(2):
+                first, last = photons_in(photon_map.start, bucket, count, part)
                 for k in range(first, last):
+                    weight = disc_weight(photon_map.places, k, p, ng, radius, inverse)
+                    if weight <= 0.0 or row_of(photon_map.keys[k]) != row:
+                        continue
                     photon = photon_map.photons[k]
-                    weight, cosine = photon_weight(photon, p, ng, radius, both)
-                    if weight <= 0.0 or photon_map.keys[k] != key:
+                    cosine = facing(photon, ng, both)
+                    if cosine == 0.0:
                         continue
                     if parted and is_hidden(
                         sight, subtract(vector(photon.position), p), ng, radius
