@@ -139,8 +139,8 @@ def _write_photons(loaded: Loaded, kind: Kind, color: Colour, output: Path) -> N
             assert camera is not None  # view_photons has looked
             seen = photon_colours(view, color)[rows]
             Image.fromarray(picture(seen, pixels, camera.width, camera.height)).save(part)
-    for name, number, _ in photon_legend(view, color)[:_NAMED]:
-        typer.echo(f"{number:9d}  {name}")
+    for entry in photon_legend(view, color)[:_NAMED]:
+        typer.echo(f"{entry.number:9d}  {entry.name}")
     typer.echo(f"{len(view.position)} photons: wrote {output}")
 
 
@@ -176,7 +176,8 @@ def _look_at(
         view = viewed.view.only(disc.rows)
         for by in ("light", "caster"):
             for entry in photon_legend(view, by, disc.weight)[:_NAMED]:
-                typer.echo(f"{entry[1]:9d}  {100 * entry[2]:5.1f} %  {by} {entry[0]}")
+                share = 100 * entry.share
+                typer.echo(f"{entry.number:9d}  {share:5.1f} %  {by} {entry.name}")
     if output is not None:
         every = np.concatenate([np.zeros(0, np.intp), *rows])
         with replacing(output) as part:

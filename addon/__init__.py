@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import baking, insight, operators, properties, ui
+from . import baking, insight, operators, photon_view, properties, ui
 from .engine import PhotonMapEngine
 from .export import memory
 
@@ -19,6 +19,7 @@ def register() -> None:
     operators.register()
     ui.register()
     baking.register()
+    photon_view.register()
     insight.register()
     memory.register()
     bpy.utils.register_class(PhotonMapEngine)
@@ -29,6 +30,7 @@ def unregister() -> None:
     bpy.utils.unregister_class(PhotonMapEngine)
     memory.unregister()
     insight.unregister()
+    photon_view.unregister()
     baking.unregister()
     ui.unregister()
     operators.unregister()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .film.layers import FIRST_HIT_LAYERS, KIND_COLORS, KIND_LAYERS
     from .film.mattes import name_bits
     from .kept import Kept
-    from .photon_shades import photon_colours, photon_legend
+    from .photon_shades import photon_colours, photon_legend, power_scale
     from .plan import Plan
     from .renderer import render
     from .report import completed
@@ -49,6 +49,7 @@ _HOMES = {
     "name_bits": ".film.mattes",
     "photon_colours": ".photon_shades",
     "photon_legend": ".photon_shades",
+    "power_scale": ".photon_shades",
     "render": ".renderer",
     "why_no_caustic": ".diagnosis",
 }
@@ -75,6 +76,7 @@ __all__ = [
     "name_bits",
     "photon_colours",
     "photon_legend",
+    "power_scale",
     "render",
     "why_no_caustic",
 ]

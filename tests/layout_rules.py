@@ -12,7 +12,9 @@ from collections.abc import Iterator
 
 BLENDER_MODULES = {
     "bpy",
+    "blf",
     "bmesh",
+    "bpy_extras",
     "gpu",
     "gpu_extras",
     "mathutils",

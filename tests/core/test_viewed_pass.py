@@ -8,7 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from photon_map.core import Settings, ViewedPass, bake, photon_colours, photon_legend
+from photon_map.core import (
+    Settings,
+    ViewedPass,
+    bake,
+    photon_colours,
+    photon_legend,
+    power_scale,
+)
 from photon_map.core.baking.maps_file import BakeError, MapsFile
 from photon_map.core.photons.gather import gather_irradiance
 from photon_map.core.photons.sight import SIGHT
@@ -66,8 +73,8 @@ def test_a_disc_is_that_of_a_gather(viewed: ViewedPass, x: float):
     # At the edge of the floor a part of the disc hangs in the air.
     assert (global_.share < 0.9) == (x < -3.5)
     legend = photon_legend(viewed.view.only(global_.rows), "light", global_.weight)
-    assert sum(count for _, count, _ in legend) == len(global_.rows)
-    assert sum(share for _, _, share in legend) == pytest.approx(1.0)
+    assert sum(entry.number for entry in legend) == len(global_.rows)
+    assert sum(entry.share for entry in legend) == pytest.approx(1.0)
 
 
 def test_a_place_has_the_side_that_is_looked_at(viewed: ViewedPass):
@@ -147,5 +154,13 @@ def test_colours_tell_photons_apart(viewed: ViewedPass, by: str):
     assert 0 <= colours.min() and colours.max() <= 1
     assert len(np.unique(colours, axis=0)) > 1
     entries = photon_legend(viewed.view, by)
-    assert sum(count for _, count, _ in entries) == len(colours)
-    assert [n for _, n, _ in entries] == sorted((n for _, n, _ in entries), reverse=True)
+    counts = [entry.number for entry in entries]
+    assert sum(counts) == len(colours) and counts == sorted(counts, reverse=True)
+    if by == "power":
+        scale = power_scale(viewed.view)
+        assert [watt for watt, _ in scale] == sorted(watt for watt, _ in scale)
+        assert scale[0][0] < np.median(viewed.view.flux.mean(axis=1)) < scale[-1][0]
+    else:
+        for entry in entries:
+            own = (colours == entry.colour).all(axis=1).sum()
+            assert own >= entry.number
