@@ -213,7 +213,12 @@ def viewport_settings(scene: Any) -> Settings:
     settings = export_settings(
         scene, {"passes": scene.photon_map.viewport_passes, "region": None, "seconds": 0.0}
     )
-    return replace(settings, threads=settings.threads or max(1, settings.thread_count - 1))
+    return replace(
+        settings,
+        threads=settings.threads or max(1, settings.thread_count - 1),
+        # Decided once, and for all cameras: so turning the view keeps the photons.
+        gather_rays=settings.rays_each,
+    )
 
 
 def upload(pixels: NDArray[np.float32]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -42,6 +43,11 @@ class Radii(NamedTuple):
     global_borders: BorderGrid
     shadows: ShadowMap | None = None
 
+    def with_caustics(self, factor: float) -> Radii:
+        """Discs of caustics ``factor`` (1 at most) times as wide."""
+        footprints, least, most, cell = (factor * r for r in self.caustic)
+        return self._replace(caustic=(footprints, least, most, cell))
+
 
 def no_radii() -> Radii:
     """Of a render without photons."""
@@ -68,7 +74,9 @@ def first_radii(
     rays = Rays(prepared, pixels.count)
     ends = trace_camera(prepared, settings, region, PILOT_PASS, pixels, rays, samples)
     ends = wide_only(ends)
-    far, _ = trace_gather(prepared, settings, PILOT_PASS, ends, samples)
+    # One ray each: the radius shall not hang on how many there will be.
+    one = replace(settings, gather_rays=1)
+    far, _ = trace_gather(prepared, one, PILOT_PASS, ends, samples)
     size = prepared.centre.radius
     seen = footprints(prepared.camera, np.ascontiguousarray(ends.vertices["length"]))
     typical = float(np.median(seen)) if len(seen) else 1e-3 * size

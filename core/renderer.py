@@ -12,12 +12,20 @@ from itertools import islice
 from typing import Any, TypeVar
 
 from .baking.bake import photon_source
+from .balance import PASSES, Look, balanced, is_free, part_of_look, stage_of
 from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
 from .film.film import Film
 from .film.stated_error import UNKNOWN
 from .jit import has_compiled, set_compiled
 from .kept import Kept
-from .photon_pass import PhotonSource, photon_maps, pilot_radii
+from .photon_pass import (
+    PhotonSource,
+    TracedPhotons,
+    photon_batches,
+    photon_maps,
+    pilot_radii,
+)
+from .photons.trace import Walk
 from .pilot import Radii
 from .plan import Plan
 from .prepared import Prepared
@@ -94,6 +102,7 @@ class _Render:
                 ),
                 "photon maps" if self.settings.photon_maps else pilot,
             )
+            traced = isinstance(source, TracedPhotons)
             source = self.kept.photons(source, self.settings)
             radii = yield from self._watch(
                 self.pool.submit(pilot_radii, prepared, self.settings, self.region, source),
@@ -106,6 +115,8 @@ class _Render:
             self.compiling = False
             set_compiled()
             self.render_begin = time.perf_counter()
+            if is_free(self.settings) and source.batches:
+                radii, source = yield from self._balance(prepared, radii, source, traced)
             yield from self._passes(prepared, radii, source)
             yield self._update("done", "")
         finally:
@@ -152,6 +163,41 @@ class _Render:
             film.add(i, 0, chunk.samples)
             film.add_asked(i, 0, chunk.first_hits, chunk.kinds)
         film.stated_error()
+
+    def _balance(
+        self, prepared: Prepared, radii: Radii, source: PhotonSource, traced: bool
+    ) -> Generator[Update, None, tuple[Radii, PhotonSource]]:
+        """Decide what is automatic; ``traced``: whether other photons can be asked for."""
+        asked = "looking where noise comes from"
+        walks = [
+            [self._submit(source.walk, i, batch) for batch in source.batches] for i in PASSES
+        ]
+        found: list[Walk] = []
+        maps = []
+        for futures in walks:
+            found = []
+            for future in futures:
+                found.append((yield from self._watch(future, asked)))
+            maps.append(photon_maps(self.settings, radii, 0, source.batches, found))
+        parts = [
+            self._submit(
+                part_of_look, prepared, self.settings, self.region, camera, maps[photons]
+            )
+            for camera, photons in ((0, 0), (1, 1), (0, 1))
+        ]
+        first = yield from self._watch(parts[0], asked)
+        second = yield from self._watch(parts[1], asked)
+        third = yield from self._watch(parts[2], asked)
+        seen = Look(first, second, third, source.batches, found)
+        before = self.settings
+        self.settings = balanced(before, seen, self.region, traced)
+        self.plan = self.plan._replace(stages=(*self.plan.stages, stage_of(self.settings)))
+        if traced:
+            pixels = self.region.width * self.region.height
+            batches = photon_batches(self.plan, self.settings, pixels)
+            source = TracedPhotons(prepared, self.settings, batches)
+            source = self.kept.photons(source, self.settings)
+        return radii.with_caustics(self.settings.caustic_radius / before.caustic_radius), source
 
     def _passes(
         self, prepared: Prepared, radii: Radii, source: PhotonSource

@@ -15,8 +15,10 @@ StaleMaps = Literal["TRACE", "REBUILD", "REFUSE"]
 #: What the names of files with baked photon maps end with.
 MAPS_SUFFIX = ".pmap"
 
-#: A photon count that follows the size of the image.
+#: A count that is chosen for the image.
 AUTOMATIC = -1
+#: Gather rays where nothing is known of the noise.
+USUAL_GATHER_RAYS = 4
 
 
 class SettingsError(ValueError):
@@ -31,7 +33,9 @@ class Settings:
     ``error_goal`` (0 = none), whichever comes first; one whole pass is always made.
     Photon counts are emitted photons per pass, -1: half the
     number of pixels but 8192 at least, 0: none; ``gather_rays`` final-gather rays leave
-    each place where a camera path ends; depths count surface interactions.
+    each place where a camera path ends, -1: as many as make the least noise in the same time,
+    and so many caustic photons if their count is -1 (``balance``); depths count surface
+    interactions.
     ``alpha``: how slowly the caustic discs shrink from pass to pass, 1 keeps them.
     ``min_throughput``: camera paths that carry less are ended. ``region`` is
     (x0, y0, x1, y1) in pixels, row 0 at the bottom, None for the whole image.
@@ -55,7 +59,7 @@ class Settings:
     threads: int = 0
     photons_global: int = AUTOMATIC
     photons_caustic: int = AUTOMATIC
-    gather_rays: int = 4
+    gather_rays: int = AUTOMATIC
     camera_depth: int = 32
     photon_depth: int = 32
     min_throughput: float = 1e-4
@@ -82,6 +86,8 @@ class Settings:
             value = getattr(self, name)
             if not (math.isfinite(value) and low <= value <= high):
                 raise SettingsError(f"{name} is {value}, it must be from {low:g} to {high:g}")
+        if self.gather_rays == 0:
+            raise SettingsError("gather_rays is 0, it must be from 1 to 1024, or -1")
         if self.pixel_filter not in ("BOX", "GAUSSIAN", "BLACKMAN_HARRIS"):
             raise SettingsError(
                 f"pixel_filter is {self.pixel_filter!r}, it must be BOX, GAUSSIAN or "
@@ -110,6 +116,11 @@ class Settings:
         return max(8192, pixels // 2) if chosen == AUTOMATIC else chosen
 
     @property
+    def rays_each(self) -> int:
+        """Gather rays from a place, as long as nobody has decided it."""
+        return USUAL_GATHER_RAYS if self.gather_rays == AUTOMATIC else self.gather_rays
+
+    @property
     def thread_count(self) -> int:
         """Threads to use: the setting, or every core this process may run on."""
         if self.threads:
@@ -127,7 +138,7 @@ _RANGES: dict[str, tuple[float, float]] = {
     "threads": (0, 1024),
     "photons_global": (AUTOMATIC, 100_000_000),
     "photons_caustic": (AUTOMATIC, 100_000_000),
-    "gather_rays": (1, 1024),
+    "gather_rays": (AUTOMATIC, 1024),
     "camera_depth": (1, 1024),
     "photon_depth": (1, 1024),
     "min_throughput": (0, 1),

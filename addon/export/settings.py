@@ -16,7 +16,6 @@ FIELDS = (
     "seconds",
     "error_goal",
     "seed",
-    "gather_rays",
     "camera_depth",
     "photon_depth",
     "min_throughput",
@@ -44,10 +43,9 @@ def export_settings(scene: Any, overrides: Mapping[str, Any]) -> Settings:
 
 
 def _photons(own: Any) -> dict[str, int]:
-    """Photons a pass, by hand or automatic."""
-    if own.photons_automatic:
-        return {"photons_caustic": AUTOMATIC, "photons_global": AUTOMATIC}
-    return {name: getattr(own, name) for name in ("photons_caustic", "photons_global")}
+    """Photons a pass and gather rays, by hand or automatic."""
+    names = ("photons_caustic", "photons_global", "gather_rays")
+    return {name: AUTOMATIC if own.photons_automatic else getattr(own, name) for name in names}
 
 
 def border_region(scene: Any) -> tuple[int, int, int, int] | None:

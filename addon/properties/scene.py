@@ -57,8 +57,8 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
     )
     photons_automatic: BoolProperty(  # type: ignore[valid-type]
         name="Automatic",
-        description="Photons a pass by the size of the image: half as many as it has pixels, "
-        "of each kind, but 8192 at least",
+        description="Photons a pass by the size of the image (half as many as it has pixels, "
+        "8192 at least), caustic photons and gather rays by where the noise comes from",
         default=True,
     )
     photons_caustic: IntProperty(  # type: ignore[valid-type]
@@ -80,7 +80,7 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
     gather_rays: IntProperty(  # type: ignore[valid-type]
         name="Gather Rays",
         description="Final-gather rays for indirect light from each place that the camera sees",
-        default=_DEFAULT.gather_rays,
+        default=_DEFAULT.rays_each,
         min=1,
         max=1024,
         soft_max=64,

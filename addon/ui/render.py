@@ -49,10 +49,10 @@ class PHOTONMAP_RENDER_PT_photons(RenderPanel, bpy.types.Panel):
         counts.active = not settings.photons_automatic
         counts.prop(settings, "photons_caustic", text="Caustic")
         counts.prop(settings, "photons_global", text="Global")
+        counts.prop(settings, "gather_rays")
         column.separator()
         column.prop(settings, "caustic_radius")
         column.prop(settings, "alpha")
-        column.prop(settings, "gather_rays")
 
 
 class PHOTONMAP_RENDER_PT_paths(RenderPanel, bpy.types.Panel):

@@ -79,13 +79,14 @@ class Pixels:
 class Chunk(NamedTuple):
     """What a chunk brings: its pixels, one ``SAMPLE`` row each, rays traced.
 
-    ``first_hits``: one ``FIRST_HIT`` row each, ``kinds`` one (6, 3) of ``KIND_LAYERS``, None
-    when no layer asks for them.
+    ``gathered``: those of the rays on gather paths. ``first_hits``: one ``FIRST_HIT`` row
+    each, ``kinds`` one (6, 3) of ``KIND_LAYERS``, None when no layer asks for them.
     """
 
     pixels: Pixels
     samples: NDArray[np.void]
     rays: int
+    gathered: int = 0
     first_hits: NDArray[np.void] | None = None
     kinds: NDArray[np.float64] | None = None
 
@@ -124,14 +125,16 @@ def trace_chunk(
     lit = trace_camera(prepared, settings, region, i, pixels, rays, samples, kinds)
     rays.traced += _light_directly(prepared, settings, i, lit, maps.shadows, samples, kinds)
     ends = wide_only(lit)
+    gathered = 0
     if len(ends.vertices):
-        rays.traced += _gather(prepared, settings, i, ends, maps, samples, kinds)
+        gathered = _gather(prepared, settings, i, ends, maps, samples, kinds)
+        rays.traced += gathered
     first_hits = None
     if prepared.first_hits is not None:
         first_hits, traced = trace_first_hits(prepared, settings, region, i, pixels)
         rays.traced += traced
     by_kind = kinds.finished(samples) if kinds else None
-    return Chunk(pixels, samples, rays.traced, first_hits, by_kind)
+    return Chunk(pixels, samples, rays.traced, gathered, first_hits, by_kind)
 
 
 def _gather(
@@ -151,7 +154,7 @@ def _gather(
         )
         if kinds:
             kinds.add_caustics(ends, *asked, samples)
-    rays = Rays(prepared, len(ends.vertices) * settings.gather_rays)
+    rays = Rays(prepared, len(ends.vertices) * settings.rays_each)
     count = _start_gather(prepared, settings, i, ends, rays)
     rows = samples
     if kinds:
@@ -235,14 +238,14 @@ def trace_gather(
     prepared: Prepared, settings: Settings, i: int, lit: Lit, samples: NDArray[np.void]
 ) -> tuple[Lit, int]:
     """Final-gather rays from wide vertices: their half of direct light; (ends, rays)."""
-    rays = Rays(prepared, len(lit.vertices) * settings.gather_rays)
+    rays = Rays(prepared, len(lit.vertices) * settings.rays_each)
     count = _start_gather(prepared, settings, i, lit, rays)
     return _follow(prepared, settings, i, rays, count, True, samples), rays.traced
 
 
 def _start_gather(prepared: Prepared, settings: Settings, i: int, lit: Lit, rays: Rays) -> int:
     count: int = start_gather(
-        i, settings.gather_rays, prepared.materials, lit.lobes, lit.vertices,
+        i, settings.rays_each, prepared.materials, lit.lobes, lit.vertices,
         len(lit.vertices), rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
     return count
@@ -312,7 +315,7 @@ def _light_directly(
     slots, asking, entries = np.zeros((3, count), np.int32)
     radiance = np.zeros((count, 3))
     asked: int = sample_direct(
-        i, settings.gather_rays, prepared.mesh, prepared.materials, lit.lobes,
+        i, settings.rays_each, prepared.mesh, prepared.materials, lit.lobes,
         prepared.shading, prepared.lights, lit.vertices, count, origins, directions,
         lengths, slots, radiance, asking, entries,
     )  # fmt: skip

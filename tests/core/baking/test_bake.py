@@ -17,7 +17,9 @@ from photon_map.core.sampling.rng import REPLICATES
 from photon_map.core.scene.scene import Scene
 from tests.scenes import cornell_glass, look_at
 
-SETTINGS = Settings(passes=4, photons_global=2000, photons_caustic=2000, threads=2)
+SETTINGS = Settings(
+    passes=4, photons_global=2000, photons_caustic=2000, threads=2, gather_rays=4
+)
 
 
 @pytest.fixture(scope="module")
