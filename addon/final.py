@@ -48,7 +48,7 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     settings = export_settings(
         depsgraph.scene_eval,
         {
-            **_asked(depsgraph.scene_eval, view_layer),
+            **_asked(depsgraph),
             **({} if engine.is_preview else maps_settings(depsgraph.scene)),
             **(job.overrides if job else {}),
         },
@@ -76,10 +76,10 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     tell(engine, [f"{bad} samples were not finite and are black"] if bad else [])
 
 
-def _asked(scene: Any, view_layer: Any) -> dict[str, Any]:
+def _asked(depsgraph: Any) -> dict[str, Any]:
     """What the passes and the denoiser ask for beside the light."""
-    asked = asked_settings(view_layer)
-    guides = GUIDES if scene.photon_map.use_denoise and is_available() else ()
+    asked = asked_settings(depsgraph)
+    guides = GUIDES if depsgraph.scene_eval.photon_map.use_denoise and is_available() else ()
     return asked | {"first_hit": tuple(dict.fromkeys((*asked["first_hit"], *guides)))}
 
 

@@ -6,9 +6,12 @@ There is no Vector pass, since motion is not modelled, and no Shadow Catcher.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
+
+if TYPE_CHECKING:
+    from ..core import LightGroup
 
 
 class RenderPass(NamedTuple):
@@ -132,12 +135,50 @@ def active_passes(view_layer: Any) -> Iterator[RenderPass]:
             for k in range(matte_ranks(view_layer) // 2):
                 name = f"{entry.name}{k:02d}"
                 yield entry._replace(name=name, old_name=name, first=4 * k)
+    yield from _group_passes(view_layer)
 
 
-def asked_settings(view_layer: Any) -> dict[str, Any]:
+def _group_passes(view_layer: Any) -> Iterator[RenderPass]:
+    """The light of each light group, and its caustics where these are asked for at all."""
+    if not view_layer.lightgroups:
+        return
+    from ..core import group_layer
+
+    for group in view_layer.lightgroups:
+        for caustics in (False, True)[: 1 + view_layer.photon_map.use_pass_caustics]:
+            name = f"{'Caustics' if caustics else 'Combined'}_{group.name}"
+            layer = group_layer(group.name, caustics)
+            yield RenderPass(layer, name, name, "RGB", "COLOR", "")
+
+
+def _light_groups(depsgraph: Any) -> tuple[LightGroup, ...]:
+    """The lights, glowing objects and world of each light group of the view layer."""
+    names = [group.name for group in depsgraph.view_layer_eval.lightgroups]
+    if not names:
+        return ()
+    from ..core import LightGroup
+
+    lamps: dict[str, set[str]] = {name: set() for name in names}
+    objects: dict[str, set[str]] = {name: set() for name in names}
+    for instance in depsgraph.object_instances:
+        obj = instance.object
+        if obj.lightgroup in lamps:
+            found = lamps if obj.type == "LIGHT" else objects
+            found[obj.lightgroup].add(obj.name)
+    world = depsgraph.scene_eval.world
+    around = world.lightgroup if world is not None else ""
+    return tuple(
+        LightGroup(name, tuple(sorted(lamps[name])), tuple(sorted(objects[name])),
+                   name == around)
+        for name in names
+    )  # fmt: skip
+
+
+def asked_settings(depsgraph: Any) -> dict[str, Any]:
     """The core's settings for what it renders only when it is asked for."""
     from ..core import FIRST_HIT_LAYERS, KIND_COLORS, KIND_LAYERS
 
+    view_layer = depsgraph.view_layer_eval
     asked = {entry.layer for entry in active_passes(view_layer)}
     light_kinds = bool(asked & set(KIND_LAYERS))
     if light_kinds:
@@ -146,6 +187,7 @@ def asked_settings(view_layer: Any) -> dict[str, Any]:
         "first_hit": tuple(layer for layer in FIRST_HIT_LAYERS if layer in asked),
         "matte_ranks": matte_ranks(view_layer),
         "light_kinds": light_kinds,
+        "light_groups": _light_groups(depsgraph),
     }
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .baking.bake import bake
     from .diagnosis import Finding, why_no_caustic
     from .film.film import Film
-    from .film.layers import FIRST_HIT_LAYERS, KIND_COLORS, KIND_LAYERS
+    from .film.layers import FIRST_HIT_LAYERS, KIND_COLORS, KIND_LAYERS, group_layer
     from .film.mattes import name_bits
     from .kept import Kept
     from .photon_shades import photon_colours, photon_legend, power_scale
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .scene.builder import SceneBuilder
     from .scene.camera_data import CameraData
     from .scene.scene import Scene, SceneError
-    from .settings import Settings, SettingsError
+    from .settings import LightGroup, Settings, SettingsError
     from .update import Update
     from .viewed_pass import Disc, ViewedPass
 
@@ -36,6 +36,7 @@ _HOMES = {
     "Film": ".film.film",
     "Finding": ".diagnosis",
     "Kept": ".kept",
+    "LightGroup": ".settings",
     "Plan": ".plan",
     "Scene": ".scene.scene",
     "SceneBuilder": ".scene.builder",
@@ -46,6 +47,7 @@ _HOMES = {
     "ViewedPass": ".viewed_pass",
     "bake": ".baking.bake",
     "completed": ".report",
+    "group_layer": ".film.layers",
     "name_bits": ".film.mattes",
     "photon_colours": ".photon_shades",
     "photon_legend": ".photon_shades",
@@ -63,6 +65,7 @@ __all__ = [
     "Film",
     "Finding",
     "Kept",
+    "LightGroup",
     "Plan",
     "Scene",
     "SceneBuilder",
@@ -73,6 +76,7 @@ __all__ = [
     "ViewedPass",
     "bake",
     "completed",
+    "group_layer",
     "name_bits",
     "photon_colours",
     "photon_legend",

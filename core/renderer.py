@@ -9,15 +9,16 @@ from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 from itertools import islice
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from .baking.bake import photon_source
 from .balance import PASSES, Look, balanced, is_free, part_of_look, stage_of
-from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
+from .camera_pass.chunk import PhotonMaps, Pixels, Region, trace_chunk
 from .film.film import Film
 from .film.stated_error import UNKNOWN
 from .jit import has_compiled, set_compiled
 from .kept import Kept
+from .light_groups import GroupChunk, lit_by, trace_groups
 from .photon_pass import (
     PhotonSource,
     TracedPhotons,
@@ -59,6 +60,13 @@ def render(scene: Scene, settings: Settings, kept: Kept | None = None) -> Iterat
     return _Render(scene, settings, region, kept or Kept(0)).updates()
 
 
+class _Side(NamedTuple):
+    """All lights, or one group of them, and the photons of these lights."""
+
+    prepared: Prepared
+    source: PhotonSource
+
+
 class _Render:
     """The state of one render; lives as long as its iterator."""
 
@@ -83,7 +91,7 @@ class _Render:
         settings = self.settings
         return Film(
             width, height, settings.exposure, settings.first_hit, settings.matte_ranks,
-            settings.light_kinds,
+            settings.light_kinds, tuple(group.name for group in settings.light_groups),
         )  # fmt: skip
 
     def updates(self) -> Iterator[Update]:
@@ -117,7 +125,7 @@ class _Render:
             self.render_begin = time.perf_counter()
             if is_free(self.settings) and source.batches:
                 radii, source = yield from self._balance(prepared, radii, source, traced)
-            yield from self._passes(prepared, radii, source)
+            yield from self._passes(self._sides(prepared, source), radii)
             yield self._update("done", "")
         finally:
             self.stop.set()
@@ -199,9 +207,15 @@ class _Render:
             source = self.kept.photons(source, self.settings)
         return radii.with_caustics(self.settings.caustic_radius / before.caustic_radius), source
 
-    def _passes(
-        self, prepared: Prepared, radii: Radii, source: PhotonSource
-    ) -> Generator[Update, None, None]:
+    def _sides(self, prepared: Prepared, source: PhotonSource) -> list[_Side]:
+        """All lights, and each group of them."""
+        sides = [_Side(prepared, source)]
+        for group in self.settings.light_groups:
+            alone = lit_by(prepared, self.scene, group)
+            sides.append(_Side(alone, TracedPhotons(alone, self.settings, source.batches)))
+        return sides
+
+    def _passes(self, sides: list[_Side], radii: Radii) -> Generator[Update, None, None]:
         """Passes until a limit is met; photons are traced two passes ahead.
 
         So there is always work in the queue while a map is sorted, and no thread idles at
@@ -209,18 +223,19 @@ class _Render:
         """
         last = time.perf_counter()
         maps = deque(
-            self._launch_photons(radii, source, i) for i in range(min(2, self.settings.passes))
+            self._launch_photons(radii, sides, i) for i in range(min(2, self.settings.passes))
         )
         for i in range(self.settings.passes):
             while not wait([maps[0]], timeout=SILENCE).done:
                 yield self._update("render", "")
                 last = time.perf_counter()
             current = maps.popleft().result()
-            self._count(current)
-            waiting = self._chunks(prepared, current, i)
+            for part in current:
+                self._count(part)
+            waiting = self._chunks(sides, current, i)
             chunks = deque(islice(waiting, self.in_flight))
             if i + 2 < self.settings.passes:
-                maps.append(self._launch_photons(radii, source, i + 2))
+                maps.append(self._launch_photons(radii, sides, i + 2))
             while chunks:
                 while not wait([chunks[0]], timeout=SILENCE).done:
                     yield self._update("render", "")
@@ -237,10 +252,13 @@ class _Render:
             ):
                 return
 
-    def _add(self, i: int, chunk: Chunk) -> None:
-        self.film.add(i, chunk.pixels.start, chunk.samples)
-        self.film.add_asked(i, chunk.pixels.start, chunk.first_hits, chunk.kinds)
-        self.film.statistics.rays += chunk.rays
+    def _add(self, i: int, chunk: GroupChunk) -> None:
+        whole, groups = chunk
+        start = whole.pixels.start
+        self.film.add(i, start, whole.samples)
+        self.film.add_asked(i, start, whole.first_hits, whole.kinds)
+        self.film.add_groups(start, groups)
+        self.film.statistics.rays += whole.rays
 
     def _count(self, maps: PhotonMaps) -> None:
         statistics = self.film.statistics
@@ -257,25 +275,33 @@ class _Render:
             and self.film.passes > 0
         )
 
-    def _launch_photons(self, radii: Radii, source: PhotonSource, i: int) -> Future[PhotonMaps]:
+    def _launch_photons(
+        self, radii: Radii, sides: list[_Side], i: int
+    ) -> Future[list[PhotonMaps]]:
         """Queue the photon batches of pass ``i`` and, behind them, the sorting."""
-        batches = source.batches
-        walks = [self._submit(source.walk, i, batch) for batch in batches]
+        batches = sides[0].source.batches
+        walks = [[self._submit(s.source.walk, i, batch) for batch in batches] for s in sides]
 
-        def sort() -> PhotonMaps:
+        def sort() -> list[PhotonMaps]:
             # The batches are before this task in the queue: no thread waits for itself.
-            return photon_maps(self.settings, radii, i, batches, [w.result() for w in walks])
+            return [
+                photon_maps(self.settings, radii, i, batches, [w.result() for w in own])
+                for own in walks
+            ]
 
         return self._submit(sort)
 
-    def _chunks(self, prepared: Prepared, maps: PhotonMaps, i: int) -> Iterator[Future[Chunk]]:
+    def _chunks(
+        self, sides: list[_Side], maps: list[PhotonMaps], i: int
+    ) -> Iterator[Future[GroupChunk]]:
         """The camera chunks of pass ``i``, each queued when it is asked for."""
         total = self.region.width * self.region.height
         size = self.settings.chunk_size
+        prepared = [side.prepared for side in sides]
         for start in range(0, total, size):
             pixels = Pixels(start, min(size, total - start))
             yield self._submit(
-                trace_chunk, prepared, self.settings, self.region, i, pixels, maps
+                trace_groups, prepared, self.settings, self.region, i, pixels, maps
             )
 
     def _submit(self, work: Callable[..., _T], *arguments: Any) -> Future[_T]:

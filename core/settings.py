@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from .film.layers import FIRST_HIT_LAYERS, KIND_COLORS
 
@@ -23,6 +23,15 @@ USUAL_GATHER_RAYS = 4
 
 class SettingsError(ValueError):
     """A setting out of its range; the message names it and the range."""
+
+
+class LightGroup(NamedTuple):
+    """Lights whose light is kept by itself: names of lamps and of glowing objects."""
+
+    name: str
+    lights: tuple[str, ...] = ()
+    objects: tuple[str, ...] = ()
+    world: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +52,7 @@ class Settings:
     ``film.first_hits.LAYERS`` to render beside the light; mattes keep ``matte_ranks`` names.
     ``light_kinds``: whether the light is kept by kind as well (``film.layers.KIND_LAYERS``),
     which needs their colours.
+    ``light_groups``: lights to have layers of their own (``film.layers.group_layer``).
     ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
     at a time) changes a bit of the result.
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
@@ -76,6 +86,7 @@ class Settings:
     first_hit: tuple[str, ...] = ()
     matte_ranks: int = 6
     light_kinds: bool = False
+    light_groups: tuple[LightGroup, ...] = ()
     shadow_photons: int = 0
     shadow_lit: float = 0.1
     shadow_dark: float = 0.96
@@ -106,6 +117,9 @@ class Settings:
         missing = set(KIND_COLORS) - set(self.first_hit)
         if self.light_kinds and missing:
             raise SettingsError(f"light_kinds needs first_hit to have {', '.join(KIND_COLORS)}")
+        names = [group.name for group in self.light_groups]
+        if len(set(names)) < len(names):
+            raise SettingsError(f"light_groups: two of one name among {', '.join(names)}")
         if self.region is not None:
             x0, y0, x1, y1 = self.region
             if not (0 <= x0 < x1 and 0 <= y0 < y1):

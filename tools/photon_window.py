@@ -16,7 +16,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
@@ -24,8 +23,6 @@ import traceback
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 MODULE = "bl_ext.user_default.photon_map"
@@ -146,17 +143,6 @@ def run_in_blender(folder: Path) -> None:
     bpy.app.timers.register(step, first_interval=3.0, persistent=True)
 
 
-def read_xwd(path: Path) -> np.ndarray:
-    """Pixels (H, W, 3) uint8 of an X window dump of 24 or 32 bits."""
-    data = path.read_bytes()
-    head = struct.unpack(">25I", data[:100])
-    start, width, height = head[0] + 12 * head[19], head[4], head[5]
-    lines = np.frombuffer(data, np.uint8, head[12] * height, start).reshape(height, head[12])
-    bytes_each = head[11] // 8
-    pixels = lines[:, : width * bytes_each].reshape(height, width, bytes_each)
-    return pixels[..., 2::-1] if head[7] == 0 else pixels[..., -3:]
-
-
 def main() -> None:
     """Outside of Blender: install, run, look at what came out."""
     from acceptance import (  # type: ignore[import-not-found]
@@ -165,6 +151,7 @@ def main() -> None:
         fitting_archive,
     )
     from PIL import Image
+    from xwd import read_xwd  # type: ignore[import-not-found]
 
     command, out = sys.argv[1], Path(sys.argv[2])
     out.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from .panel import PhotonMapPanel
+from .panel import PhotonMapPanel, draw_light_group
 from .plan import draw_text
 
 #: Types with a surface that the export takes.
@@ -39,6 +39,20 @@ class PHOTONMAP_OBJECT_PT_caustics(ObjectPanel, bpy.types.Panel):
         self.layout.operator("photon_map.why_no_caustic", icon="QUESTION")
         for line in settings.answer.splitlines():
             draw_text(self.layout, context, line, "INFO")
+
+
+class PHOTONMAP_OBJECT_PT_light_group(ObjectPanel, bpy.types.Panel):
+    """The light group of a lamp or a glowing object."""
+
+    bl_label = "Light Group"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(super().poll(context)) and context.object.type in (*SURFACES, "LIGHT")
+
+    def draw(self, context: Any) -> None:
+        draw_light_group(self.column(), context, context.object)
 
 
 class PHOTONMAP_OBJECT_PT_visibility(ObjectPanel, bpy.types.Panel):
@@ -81,6 +95,7 @@ class PHOTONMAP_OBJECT_PT_ray_visibility(ObjectPanel, bpy.types.Panel):
 
 PANELS = (
     PHOTONMAP_OBJECT_PT_caustics,
+    PHOTONMAP_OBJECT_PT_light_group,
     PHOTONMAP_OBJECT_PT_visibility,
     PHOTONMAP_OBJECT_PT_ray_visibility,
 )

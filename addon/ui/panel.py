@@ -37,3 +37,11 @@ def draw_nodes(layout: Any, owner: Any, tree: Any | None, name: str) -> None:
     else:
         layout.use_property_split = True
         layout.template_node_view(tree, output, output.inputs[name])
+
+
+def draw_light_group(layout: Any, context: Any, owner: Any) -> None:
+    """The light group of ``owner``, an object or a world, among those of the view layer."""
+    layout.prop_search(
+        owner, "lightgroup", context.view_layer, "lightgroups", text="Light Group",
+        results_are_suggestions=True,
+    )  # fmt: skip

@@ -51,4 +51,29 @@ class PHOTONMAP_VIEWLAYER_PT_cryptomatte(PhotonMapPanel, bpy.types.Panel):
         levels.prop(view_layer, "pass_cryptomatte_depth", text="Levels")
 
 
-PANELS = (PHOTONMAP_VIEWLAYER_PT_passes, PHOTONMAP_VIEWLAYER_PT_cryptomatte)
+class PHOTONMAP_VIEWLAYER_PT_light_groups(PhotonMapPanel, bpy.types.Panel):
+    """Groups of lights, by Blender's own operators."""
+
+    bl_label = "Light Groups"
+    bl_context = "view_layer"
+    bl_parent_id = "PHOTONMAP_VIEWLAYER_PT_passes"
+
+    def draw(self, context: Any) -> None:
+        view_layer = context.view_layer
+        row = self.layout.row()
+        row.template_list(
+            "UI_UL_list", "photon_map_lightgroups", view_layer, "lightgroups", view_layer,
+            "active_lightgroup_index", rows=3,
+        )  # fmt: skip
+        buttons = row.column(align=True)
+        buttons.operator("scene.view_layer_add_lightgroup", icon="ADD", text="")
+        buttons.operator("scene.view_layer_remove_lightgroup", icon="REMOVE", text="")
+        buttons.separator()
+        buttons.menu("VIEWLAYER_MT_lightgroup_sync", icon="DOWNARROW_HLT", text="")
+
+
+PANELS = (
+    PHOTONMAP_VIEWLAYER_PT_passes,
+    PHOTONMAP_VIEWLAYER_PT_cryptomatte,
+    PHOTONMAP_VIEWLAYER_PT_light_groups,
+)

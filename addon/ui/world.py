@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from ..export.nodes import tree_of
-from .panel import PhotonMapPanel, draw_nodes
+from .panel import PhotonMapPanel, draw_light_group, draw_nodes
 
 
 class WorldPanel(PhotonMapPanel):
@@ -33,6 +33,16 @@ class PHOTONMAP_WORLD_PT_surface(WorldPanel, bpy.types.Panel):
             self.column().prop(world, "color")
 
 
+class PHOTONMAP_WORLD_PT_light_group(WorldPanel, bpy.types.Panel):
+    """The light group of the world."""
+
+    bl_label = "Light Group"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Any) -> None:
+        draw_light_group(self.column(), context, context.world)
+
+
 class PHOTONMAP_WORLD_PT_ray_visibility(WorldPanel, bpy.types.Panel):
     """Cycles' own switches, which are there while Cycles is enabled."""
 
@@ -49,4 +59,8 @@ class PHOTONMAP_WORLD_PT_ray_visibility(WorldPanel, bpy.types.Panel):
             column.prop(switches, name)
 
 
-PANELS = (PHOTONMAP_WORLD_PT_surface, PHOTONMAP_WORLD_PT_ray_visibility)
+PANELS = (
+    PHOTONMAP_WORLD_PT_surface,
+    PHOTONMAP_WORLD_PT_light_group,
+    PHOTONMAP_WORLD_PT_ray_visibility,
+)

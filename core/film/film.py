@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from ..sampling.rng import REPLICATES
 from .accumulate import add_samples, bias_square, relative_mean, variance_of_mean
 from .first_hits import FirstHits
-from .layers import FIRST_HIT_LAYERS, KIND_COLORS, KIND_LAYERS, KINDS, LIGHT_LAYERS
+from .layers import (
+    FIRST_HIT_LAYERS,
+    KIND_COLORS,
+    KIND_LAYERS,
+    KINDS,
+    LIGHT_LAYERS,
+    group_layer,
+)
 from .stated_error import UNKNOWN, StatedError
 
 #: Depth of a pixel that sees nothing [m].
@@ -55,8 +62,8 @@ class Film:
     """The picture so far, ``height`` rows from the bottom, ``width`` pixels each.
 
     ``LAYERS`` are always there, ``first_hits`` hold those that were asked for beside them.
-    Memory: 21 float64 sums, 18 for the error and 5 counters: 332 bytes a pixel, and 144 for
-    the light by kind if it is kept.
+    Memory: 21 float64 sums, 18 for the error and 5 counters: 332 bytes a pixel, 144 for the
+    light by kind if it is kept, and 48 for each group of lights.
     """
 
     LAYERS: ClassVar[dict[str, int]] = {
@@ -79,6 +86,7 @@ class Film:
         first_hit: tuple[str, ...] = (),
         matte_ranks: int = 6,
         light_kinds: bool = False,
+        light_groups: tuple[str, ...] = (),
     ) -> None:
         self.width = width
         self.height = height
@@ -92,6 +100,8 @@ class Film:
         self._shrink = np.zeros((2, count, 3))
         self.first_hits = FirstHits(count, first_hit, matte_ranks) if first_hit else None
         self._kinds = np.zeros((count, len(KIND_LAYERS), 3)) if light_kinds else None
+        groups = [group_layer(name, c) for name in light_groups for c in (False, True)]
+        self._groups = {name: np.zeros((count, 3)) for name in groups}
 
     @property
     def nbytes(self) -> int:
@@ -99,6 +109,7 @@ class Film:
         parts = (self._sum, self._count, self._part_sum, self._part_count, self._shrink)
         own = sum(part.nbytes for part in parts)
         own += self._kinds.nbytes if self._kinds is not None else 0
+        own += sum(plane.nbytes for plane in self._groups.values())
         return own + (self.first_hits.nbytes if self.first_hits else 0)
 
     @property
@@ -141,6 +152,12 @@ class Film:
         if self._kinds is not None and kinds is not None:
             self._kinds[start : start + len(kinds)] += kinds
 
+    def add_groups(self, start: int, groups: NDArray[np.float64]) -> None:
+        """Add finite light (n, G, 2, 3) of each group, in all and as caustics."""
+        parts = groups.reshape(len(groups), len(self._groups), 3).swapaxes(0, 1)
+        for plane, part in zip(self._groups.values(), parts, strict=True):
+            plane[start : start + len(part)] += part
+
     def merge(self, other: Film) -> None:
         """Add the passes of ``other``, a film of the same size and other pass numbers."""
         if (other.width, other.height) != (self.width, self.height):
@@ -157,6 +174,8 @@ class Film:
             self.first_hits.merge(other.first_hits)
         if self._kinds is not None and other._kinds is not None:
             self._kinds += other._kinds
+        for name, plane in self._groups.items():
+            plane += other._groups[name]
         for name, value in vars(other.statistics).items():
             setattr(self.statistics, name, getattr(self.statistics, name) + value)
 
@@ -171,6 +190,9 @@ class Film:
             return self._first_hit(layer)
         if layer in KIND_LAYERS:
             return self._kind(layer)
+        if layer in self._groups:
+            light = self.exposure * self._groups[layer] / np.maximum(self._count, 1)[:, None]
+            return light.reshape(self.height, self.width, 3).astype(np.float32)
         if layer not in self.LAYERS:
             raise ValueError(f"no layer '{layer}'; there are {', '.join(self.LAYERS)}")
         if layer == "error":

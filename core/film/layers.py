@@ -13,6 +13,12 @@ KINDS = ("diffuse", "glossy", "transmission")
 KIND_COLORS = tuple(f"{kind}_color" for kind in KINDS)
 KIND_LAYERS = tuple(f"{kind}_{way}" for way in ("direct", "indirect") for kind in KINDS)
 
+
+def group_layer(group: str, caustics: bool = False) -> str:
+    """The layer of a group of lights: all of its light, or its caustics."""
+    return f"{'caustics' if caustics else 'combined'} of {group}"
+
+
 #: Data of the surfaces that the camera sees at once, traced on demand (``first_hits``): of
 #: one path, ...
 SINGLE_LAYERS = {"position": 3, "distance": 1, "object_index": 1, "material_index": 1}

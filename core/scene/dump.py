@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..file_replace import replacing
-from ..settings import Settings
+from ..settings import LightGroup, Settings
 from .camera_data import CameraData
 from .scene import Scene, SceneError
 from .tables import CLOSURE, IMAGE, LIGHT, LOBE, MATERIAL, TEXTURE
@@ -129,11 +129,18 @@ def _aligned(array: NDArray, row: np.dtype[np.void] | None) -> NDArray:
 def _read_settings(stored: dict[str, Any]) -> Settings:
     region, first_hit = stored.pop("region"), stored.pop("first_hit", ())
     stored.pop("photon_maps", None)
+    groups = tuple(_light_group(*group) for group in stored.pop("light_groups", ()))
     return Settings(
         **stored,
         region=None if region is None else tuple(region),
         first_hit=tuple(map(_string, first_hit)),
+        light_groups=groups,
     )
+
+
+def _light_group(name: object, lights: Any, objects: Any, world: object) -> LightGroup:
+    names = (tuple(map(_string, lights)), tuple(map(_string, objects)))
+    return LightGroup(_string(name), *names, bool(world))
 
 
 def _string(value: object) -> str:

@@ -1,0 +1,348 @@
+"""What `tools/window_test.py` has a Blender with a window do; runs inside of it.
+
+`blender --enable-event-simulate SAMPLE -P window_steps.py -- JOB.json`. The job names the
+folder for screenshots, a headless picture of the sample, and the samples to time. What is
+found goes to `found.json` there; an exception ends Blender with code 3.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Callable, Generator
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+sys.path.insert(0, str(Path(__file__).parent))
+from xwd import read_xwd  # type: ignore[import-not-found]
+
+JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
+FOLDER = Path(JOB["folder"])
+MODULE = "bl_ext.user_default.photon_map"
+#: Longest wait for anything [s].
+PATIENCE = 400.0
+#: Cells that pictures are compared in.
+CELLS = (24, 16)
+TABS = ("RENDER", "OUTPUT", "VIEW_LAYER", "SCENE", "WORLD", "OBJECT", "MATERIAL", "DATA")
+
+Steps = Generator[float, None, None]
+
+
+class Frames:
+    """When viewports have drawn which picture of which worker."""
+
+    def __init__(self) -> None:
+        self.drawn: list[tuple[float, int, str]] = []
+        viewport = importlib.import_module(f"{MODULE}.addon.viewport").ViewportRender
+        original = viewport.draw
+
+        def draw(view: Any, context: Any, depsgraph: Any) -> str:
+            before = view._drawn
+            line: str = original(view, context, depsgraph)
+            if view._drawn is not before and view._drawn is not None:
+                self.drawn.append((time.monotonic(), id(view._worker), view._drawn.line))
+            return line
+
+        viewport.draw = draw
+
+    def passes(self, since: float) -> int:
+        """Passes of the newest picture drawn after ``since``, 0 when there is none."""
+        lines = [line for at, _, line in self.drawn if at > since]
+        return int(lines[-1].split()[1].split("/")[0]) if lines else 0
+
+    def first(self, since: float, old: int) -> float:
+        """Seconds from ``since`` to the first picture by another worker than ``old``."""
+        for at, worker, _ in self.drawn:
+            if at > since and worker != old:
+                return at - since
+        return 0.0
+
+    def until(self, passes: int, what: str) -> Steps:
+        """Wait for a picture of so many passes, drawn from now on."""
+        begin = time.monotonic()
+        yield from until(lambda: self.passes(begin) >= passes, f"{passes} passes {what}")
+
+    @property
+    def worker(self) -> int:
+        """The one that drew last."""
+        return self.drawn[-1][1] if self.drawn else 0
+
+
+def until(condition: Callable[[], object], what: str, patience: float = PATIENCE) -> Steps:
+    """Wait for ``condition``."""
+    end = time.monotonic() + patience
+    while not condition():
+        if time.monotonic() > end:
+            raise TimeoutError(what)
+        yield 0.02
+
+
+def window(which: int = 0) -> Any:
+    """A window of Blender's."""
+    return bpy.context.window_manager.windows[which]
+
+
+def views() -> list[Any]:
+    """The 3D viewports of the first window."""
+    return [area for area in window().screen.areas if area.type == "VIEW_3D"]
+
+
+def region_of(area: Any) -> Any:
+    """The region that a viewport is drawn in."""
+    return next(region for region in area.regions if region.type == "WINDOW")
+
+
+def show_rendered(area: Any) -> None:
+    """Rendered shading through the camera, and nothing over it."""
+    space = area.spaces.active
+    space.region_3d.view_perspective = "CAMERA"
+    space.show_gizmo = space.overlay.show_overlays = False
+    space.show_region_toolbar = space.show_region_ui = False
+    space.shading.type = "RENDERED"
+    area.tag_redraw()
+
+
+def shot(name: str) -> np.ndarray:
+    """What the display shows, kept as a dump: (h, w, 3) from the bottom, 0 to 1.
+
+    Blender's own screenshots are black with Mesa's software renderer.
+    """
+    path = FOLDER / f"{name}.xwd"
+    subprocess.run(["xwd", "-root", "-silent", "-out", str(path)], check=True)
+    return read_xwd(path)[::-1] / np.float32(255)
+
+
+def pixels_of(path: Path) -> np.ndarray:
+    """A PNG as it is shown: (h, w, 3) from the bottom."""
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.name = "Non-Color"
+    width, height = image.size
+    flat = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(flat)
+    bpy.data.images.remove(image)
+    return flat.reshape(height, width, -1)[..., :3]
+
+
+def cut(pixels: np.ndarray, area: Any) -> np.ndarray:
+    """The part of a screenshot that shows what the camera of a viewport sees."""
+    region, view = region_of(area), area.spaces.active.region_3d
+    camera = bpy.context.scene.camera
+    corners = [
+        location_3d_to_region_2d(region, view, camera.matrix_world @ corner)
+        for corner in camera.data.view_frame(scene=bpy.context.scene)
+    ]
+    x = sorted(region.x + corner[0] for corner in corners)
+    y = sorted(region.y + corner[1] for corner in corners)
+    left, right = max(region.x, int(x[0]) + 1), min(region.x + region.width, int(x[-1]))
+    low, high = max(region.y, int(y[0]) + 1), min(region.y + region.height, int(y[-1]))
+    return pixels[low:high, left:right]
+
+
+def cells(pixels: np.ndarray) -> np.ndarray:
+    """Means of the picture in ``CELLS``."""
+    rows = np.array_split(pixels, CELLS[1], axis=0)
+    return np.array(
+        [[part.mean(axis=(0, 1)) for part in np.array_split(r, CELLS[0], axis=1)] for r in rows]
+    )
+
+
+def likeness(a: np.ndarray, b: np.ndarray) -> dict[str, float]:
+    """Correlation of two pictures' cells, and their mean distance."""
+    x, y = cells(a), cells(b)
+    return {
+        "correlation": float(np.corrcoef(x.ravel(), y.ravel())[0, 1]),
+        "distance": float(np.abs(x - y).mean()),
+    }
+
+
+def edits(scene: Any) -> dict[str, Callable[[], None]]:
+    """Small edits of a scene by their names."""
+    found: dict[str, Callable[[], None]] = {}
+    movable = [o for o in scene.objects if o.type == "MESH" and not o.hide_render]
+    if movable:
+        smallest = min(movable, key=lambda o: max(o.dimensions))
+        found["object"] = lambda: _move(smallest)
+    lamps = [o for o in scene.objects if o.type == "LIGHT"]
+    if lamps:
+        found["light"] = lambda: setattr(lamps[0].data, "energy", 1.3 * lamps[0].data.energy)
+    sockets = [
+        socket
+        for material in bpy.data.materials
+        if material.node_tree
+        for node in material.node_tree.nodes
+        for socket in node.inputs
+        if socket.name in ("Color", "Base Color") and not socket.is_linked
+    ]
+    if sockets:
+        found["colour"] = lambda: _tint(sockets[0])
+    found["camera"] = lambda: _move(scene.camera, 0.002)
+    return found
+
+
+def _move(obj: Any, share: float = 0.1) -> None:
+    obj.location.x += share * max(*obj.dimensions, 1.0)
+
+
+def _tint(socket: Any) -> None:
+    red, green, blue, alpha = socket.default_value
+    socket.default_value = (blue, 0.8 * green, red, alpha)
+
+
+def timed(frames: Frames, edit: Callable[[], None], what: str) -> Generator[float, None, float]:
+    """Make an edit; the seconds until a picture of it is drawn."""
+    old, begin = frames.worker, time.monotonic()
+    edit()
+    yield from until(lambda: frames.first(begin, old), f"no picture after the edit: {what}")
+    return frames.first(begin, old)
+
+
+def latencies(frames: Frames, samples: list[str]) -> Generator[float, None, dict[str, Any]]:
+    """Edits of each sample in the rendered viewport, which is rendering meanwhile."""
+    found: dict[str, Any] = {}
+    for sample in samples:
+        with bpy.context.temp_override(window=window()):
+            bpy.ops.wm.open_mainfile(filepath=sample, load_ui=False)
+        yield 0.2
+        begin = time.monotonic()
+        show_rendered(views()[0])
+        yield from frames.until(1, sample)
+        name = Path(sample).stem
+        found[name] = {"first": round(time.monotonic() - begin, 3)}
+        for what, edit in edits(bpy.context.scene).items():
+            seconds = yield from timed(frames, edit, f"{name}: {what}")
+            found[name][what] = round(seconds, 3)
+            yield 0.3
+    return found
+
+
+def told(steps: Steps, what: str) -> Steps:
+    """Say that a part begins, for whoever reads the output after a failure."""
+    print(f"window test: {what}", flush=True)
+    yield from steps
+
+
+def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
+    """The rendered viewport: its picture, edits, another size, two of them."""
+    area = views()[0]
+    show_rendered(area)
+    yield from frames.until(JOB["passes"], "in the viewport")
+    before = cut(shot("viewport"), area)
+    found["viewport"] = likeness(before, pixels_of(Path(JOB["headless"])))
+    found["viewport"]["contrast"] = float(before.std())
+    for name, edit in edits(bpy.context.scene).items():
+        yield from timed(frames, edit, name)
+        yield from frames.until(2, f"after the edit: {name}")
+        after = cut(shot(f"edit_{name}"), area)
+        found[f"edit {name}"] = {"change": float(np.abs(after - before).mean())}
+        before = after
+    begin = time.monotonic()
+    with bpy.context.temp_override(window=window(), area=area, region=region_of(area)):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.45)
+    yield 0.5
+    for view in views():
+        show_rendered(view)
+    yield from until(
+        lambda: len({worker for at, worker, _ in frames.drawn if at > begin}) >= 2,
+        "pictures in two viewports",
+    )
+    yield from frames.until(2, "in two viewports")
+    pixels = shot("two_viewports")
+    for k, view in enumerate(views()):
+        found[f"split view {k}"] = {"contrast": float(cut(pixels, view).std())}
+    for view in views():
+        view.spaces.active.shading.type = "SOLID"
+    yield 0.5
+
+
+def final(found: dict[str, Any]) -> Steps:
+    """F12 to its end, and one that is cancelled by Escape."""
+    ended: dict[str, float] = {}
+    for name in ("render_complete", "render_cancel"):
+        getattr(bpy.app.handlers, name).append(
+            lambda *_, name=name: ended.update({name: time.monotonic()})
+        )
+    scene = bpy.context.scene
+    scene.photon_map.seconds = 0.0
+    scene.photon_map.passes = JOB["passes"]
+    with bpy.context.temp_override(window=window()):
+        bpy.ops.render.render("INVOKE_DEFAULT")
+    yield from until(lambda: "render_complete" in ended, "F12 does not end")
+    yield 1.0
+    pixels = shot("f12")
+    found["F12"] = {"contrast": float(pixels.std()), "windows": len(window().id_data.windows)}
+    scene.photon_map.passes = 100_000
+    with bpy.context.temp_override(window=window()):
+        bpy.ops.render.render("INVOKE_DEFAULT")
+    yield 4.0
+    begin = time.monotonic()
+    window(-1).event_simulate(type="ESC", value="PRESS")
+    window(-1).event_simulate(type="ESC", value="RELEASE")
+    yield from until(lambda: "render_cancel" in ended, "Escape does not end F12", 30.0)
+    found["cancel"] = {"seconds": round(ended["render_cancel"] - begin, 3)}
+    yield 1.0
+    found["cancelled picture"] = {"contrast": float(shot("cancelled").std())}
+    with bpy.context.temp_override(window=window(-1)):
+        bpy.ops.wm.window_close()
+    yield 0.5
+
+
+def panels(found: dict[str, Any]) -> Steps:
+    """Each tab of the properties, in the largest area there is."""
+    area = max(window().screen.areas, key=lambda a: a.width * a.height)
+    area.type = "PROPERTIES"
+    scene = bpy.context.scene
+    chosen = next(o for o in scene.objects if o.type == "MESH")
+    lamp = next((o for o in scene.objects if o.type == "LIGHT"), chosen)
+    for tab in TABS:
+        bpy.context.view_layer.objects.active = lamp if tab == "DATA" else chosen
+        area.spaces.active.context = tab
+        yield 0.5
+        pixels = shot(f"panel_{tab.lower()}")
+        found[f"panel {tab}"] = {"contrast": float(pixels.std())}
+
+
+def whole() -> Steps:
+    """The whole test."""
+    found: dict[str, Any] = {"version": bpy.app.version_string}
+    bpy.context.preferences.view.show_splash = False
+    bpy.context.preferences.view.render_display_type = "WINDOW"
+    yield 1.0
+    frames = Frames()
+    yield from told(viewport(frames, found), "viewport")
+    yield from told(final(found), "F12")
+    yield from told(panels(found), "panels")
+    area = max(window().screen.areas, key=lambda a: a.width * a.height)
+    area.type = "VIEW_3D"
+    yield 0.5
+    found["latency"] = yield from latencies(frames, JOB["samples"])
+    (FOLDER / "found.json").write_text(json.dumps(found, indent=1))
+    bpy.ops.wm.quit_blender()
+
+
+def drive(steps: Steps) -> Callable[[], float | None]:
+    """A timer that takes the steps."""
+
+    def step() -> float | None:
+        try:
+            return next(steps)
+        except StopIteration:
+            return None
+        except BaseException:
+            traceback.print_exc()
+            shot("failed")
+            sys.stdout.flush()
+            os._exit(3)
+
+    return step
+
+
+bpy.app.timers.register(drive(whole()), first_interval=1.0, persistent=True)

@@ -1,0 +1,174 @@
+"""Drives a real Blender's window as a user would: `make window BLENDER=path`.
+
+Installs the extension into an empty profile, opens a sample under Xvfb and goes through the
+rendered viewport, edits, two viewports, F12, Escape and the panels (`window_steps.py`), which
+leaves screenshots in a folder. Looks whether they show what they should, and prints how long
+the viewport takes from an edit to its first picture, for each sample. Ends with 1 at the
+first thing that is wrong.
+
+As in `acceptance.py` BLENDER may be a script for a chroot; `--xvfb` is then the Xvfb of the
+same chroot.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from acceptance import (  # type: ignore[import-not-found]
+    ROOT,
+    TIMEOUT,
+    AcceptanceError,
+    Blender,
+    check,
+    fitting_archive,
+)
+from PIL import Image
+from xwd import read_xwd  # type: ignore[import-not-found]
+
+SAMPLE = "cornell_glass"
+PASSES = 3
+#: Of the display: the viewport has about a third of it.
+WIDTH, HEIGHT = 800, 560
+#: A picture with less contrast is blank.
+LEAST_CONTRAST = 0.02
+#: The viewport's picture beside the headless one, in cells of their size.
+LEAST_CORRELATION, MOST_DISTANCE = 0.97, 0.04
+#: An edit changes the picture by so much, the noise included.
+LEAST_CHANGE = 0.001
+#: Seconds that Escape may take, and those from an edit to a picture that are asked for.
+MOST_CANCEL, ASKED_LATENCY = 3.0, 0.3
+
+
+def start_display(command: str) -> tuple[subprocess.Popen[str], str]:
+    """An Xvfb of our own and its display."""
+    server = subprocess.Popen(
+        [*shlex.split(command), "-displayfd", "1", "-screen", "0", f"{WIDTH}x{HEIGHT}x24",
+         "-nolisten", "tcp"],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
+    assert server.stdout is not None
+    number = server.stdout.readline().strip()
+    check(number, f"{command} does not start")
+    return server, f":{number}"
+
+
+def headless_picture(blender: Blender, sample: Path, folder: Path) -> Path:
+    """What the sample looks like rendered without a window."""
+    change = (
+        "import bpy; s = bpy.context.scene; s.render.resolution_percentage = 50; "
+        f"s.photon_map.passes = {PASSES}; s.photon_map.seconds = 0"
+    )
+    output = folder / "headless_"
+    blender.run(
+        "-b", str(sample), "-E", "PHOTONMAP", "--python-expr", change, "-o", str(output),
+        "-F", "PNG", "-f", "1",
+    )  # fmt: skip
+    return folder / "headless_0001.png"
+
+
+def drive(blender: Blender, display: str, folder: Path) -> dict[str, Any]:
+    """Run the steps in a window; what they found."""
+    copies = []
+    for sample in sorted((ROOT / "sample_blends").glob("*.blend")):
+        copies.append(folder / sample.name)
+        copies[-1].write_bytes(sample.read_bytes())
+    sample = folder / f"{SAMPLE}.blend"
+    job = {
+        "folder": str(folder),
+        "headless": str(headless_picture(blender, sample, folder)),
+        "passes": PASSES,
+        "samples": [str(copy) for copy in copies],
+    }
+    (folder / "job.json").write_text(json.dumps(job))
+    for script in ("window_steps.py", "xwd.py"):
+        shutil.copy(ROOT / "tools" / script, folder)
+    done = subprocess.run(
+        [blender.command, "--offline-mode", "--enable-event-simulate", "--window-geometry", "0",
+         "0", str(WIDTH), str(HEIGHT), str(sample), "-E", "PHOTONMAP", "-P",
+         str(folder / "window_steps.py"), "--", str(folder / "job.json")],
+        env={**blender.environment, "DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"},
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+        text=True, errors="replace", timeout=TIMEOUT,
+    )  # fmt: skip
+    check(
+        done.returncode == 0 and "Traceback" not in done.stdout,
+        f"Blender ended with {done.returncode}:\n{done.stdout[-6000:]}",
+    )
+    found: dict[str, Any] = json.loads((folder / "found.json").read_text())
+    return found
+
+
+def judge(found: dict[str, Any]) -> None:
+    """Raise at what a user would not have liked to see."""
+    view = found["viewport"]
+    check(
+        view["correlation"] >= LEAST_CORRELATION and view["distance"] <= MOST_DISTANCE,
+        f"the viewport does not show the headless picture: {view}",
+    )
+    for name, values in found.items():
+        if isinstance(values, dict):
+            contrast = values.get("contrast", 1.0)
+            check(contrast >= LEAST_CONTRAST, f"{name} is blank: {values}")
+            change = values.get("change", 1.0)
+            check(change >= LEAST_CHANGE, f"{name} changed nothing: {values}")
+    check(found["F12"]["windows"] == 2, "F12 opens no window")
+    check(found["cancel"]["seconds"] <= MOST_CANCEL, f"Escape: {found['cancel']}")
+
+
+def tell(found: dict[str, Any]) -> None:
+    """Print what was found."""
+    for name, values in found.items():
+        if name not in ("version", "latency"):
+            print(f"  {name}: " + ", ".join(f"{k} {v:.3g}" for k, v in values.items()))
+    print(f"  seconds to the first picture ({ASKED_LATENCY} are asked for after an edit):")
+    for name, values in found["latency"].items():
+        print(f"    {name}: " + ", ".join(f"{what} {s:.2f}" for what, s in values.items()))
+
+
+def try_window(command: str, xvfb: str, folder: Path, shots: Path) -> None:
+    """The whole of it, below ``folder``; screenshots are copied to ``shots``."""
+    blender = Blender(command, folder)
+    probed = blender.probe("--factory-startup")
+    print(f"Blender {probed['version']}")
+    archive = fitting_archive(probed, folder)
+    blender.run(
+        "--command", "extension", "install-file", "-r", "user_default", "-e", str(archive)
+    )
+    server, display = start_display(xvfb)
+    try:
+        found = drive(blender, display, folder)
+    finally:
+        server.terminate()
+        server.wait()
+        shots.mkdir(parents=True, exist_ok=True)
+        for dump in folder.glob("*.xwd"):
+            Image.fromarray(read_xwd(dump)).save(shots / f"{dump.stem}.png", optimize=True)
+    tell(found)
+    judge(found)
+    print(f"  passed; the screenshots are in {shots}")
+
+
+def main() -> None:
+    """Try the Blender of the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("blender")
+    parser.add_argument("--xvfb", default="Xvfb", help="command that starts Xvfb")
+    parser.add_argument("--shots", type=Path, default=ROOT / "renders/window")
+    chosen = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="photon_map_window_") as folder:
+        try:
+            try_window(chosen.blender, chosen.xvfb, Path(folder), chosen.shots)
+        except AcceptanceError as error:
+            sys.exit(f"not accepted: {error}")
+
+
+if __name__ == "__main__":
+    main()
