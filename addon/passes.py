@@ -112,6 +112,13 @@ MATTES: tuple[RenderPass, ...] = (
 )  # fmt: skip
 
 
+#: Light groups; the group's name follows.
+GROUPS: tuple[RenderPass, ...] = (
+    RenderPass("combined", "Combined_", "Combined_", "RGB", "COLOR", ""),
+    RenderPass("caustics", "Caustics_", "Caustics_", "RGB", "COLOR", "pm.use_pass_caustics"),
+)
+
+
 def pass_name(entry: RenderPass) -> str:
     """The name in the running Blender."""
     return entry.name if bpy.app.version >= (5, 0, 0) else entry.old_name
@@ -145,10 +152,12 @@ def _group_passes(view_layer: Any) -> Iterator[RenderPass]:
     from ..core import group_layer
 
     for group in view_layer.lightgroups:
-        for caustics in (False, True)[: 1 + view_layer.photon_map.use_pass_caustics]:
-            name = f"{'Caustics' if caustics else 'Combined'}_{group.name}"
-            layer = group_layer(group.name, caustics)
-            yield RenderPass(layer, name, name, "RGB", "COLOR", "")
+        for entry in GROUPS:
+            caustics = entry.layer == "caustics"
+            if not caustics or view_layer.photon_map.use_pass_caustics:
+                name = entry.name + group.name
+                layer = group_layer(group.name, caustics)
+                yield entry._replace(layer=layer, name=name, old_name=name)
 
 
 def _light_groups(depsgraph: Any) -> tuple[LightGroup, ...]:
