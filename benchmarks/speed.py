@@ -14,6 +14,7 @@ import argparse
 import os
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -27,6 +28,9 @@ from speed_run import Run, load_run, run_engine, write_csv  # noqa: E402
 OURS = "photonmap"
 #: Seconds of rendering of each engine: as long as the tables ask, and in the quick run.
 LONGEST, QUICK = 30.0, 8.0
+#: What a render takes beyond its curve on a calm machine, in the mean: Python, the scene,
+#: start and last image (measured: 1 to 8 s, with a million triangles 15 to 25 s) [s].
+AROUND = 6.0
 
 
 def main() -> None:
@@ -36,11 +40,13 @@ def main() -> None:
     if args.quick and not args.only:
         chosen = [case for case in chosen if case.quick]
     started = time.perf_counter()
+    minutes = planned(chosen, args) / 60
+    print(f"about {minutes:.0f} minutes on a calm machine", file=sys.stderr, flush=True)
     references = {case.name: speed_reference.load(case.name) for case in chosen}
     runs: list[Run] = []
     for case in chosen:
         for engine in engines(case, args):
-            longest = args.seconds or (QUICK if args.quick else LONGEST)
+            longest = seconds_each(args)
             out, failure = args.keep / f"{case.name}_{engine}.npz", ""
             if not args.kept:
                 failure = run_engine(case.name, engine, longest, args.seed, args.threads, out)
@@ -54,6 +60,17 @@ def main() -> None:
     print(f"\n{minutes:.1f} minutes, load {os.getloadavg()[0]:.1f} at the end", file=sys.stderr)
     if args.docs:
         speed_document.write(args.docs, runs, references, minutes, args.results)
+
+
+def seconds_each(args: argparse.Namespace) -> float:
+    """Seconds of rendering of one engine."""
+    return float(args.seconds or (QUICK if args.quick else LONGEST))
+
+
+def planned(chosen: Sequence[Case], args: argparse.Namespace) -> float:
+    """Seconds that the whole run should take."""
+    renders = sum(len(engines(case, args)) for case in chosen)
+    return renders * (seconds_each(args) + AROUND)
 
 
 def engines(case: Case, args: argparse.Namespace) -> tuple[str, ...]:

@@ -2,7 +2,8 @@
 
 The kernels are loaded by a first render of one pass. The clock counts rendering and the
 pilot pass, which is measured by itself; building the ray tracer is left out, as it is of
-the peers.
+the peers. Beside the images at the times asked for there is one at each power of two of
+the passes, and with each what the engine says of its own error.
 """
 
 from __future__ import annotations
@@ -16,12 +17,15 @@ from measure import Image
 
 from photon_map.core import Scene, Settings, render
 from photon_map.core.camera_pass.chunk import Region
+from photon_map.core.geometry.intersector import Intersector
 from photon_map.core.photon_pass import TracedPhotons, photon_batches, pilot_radii
 from photon_map.core.plan import Plan
 from photon_map.core.prepared import prepare
 from photon_map.core.version import ENGINE, VERSION
 
 ENDLESS = 10_000_000
+#: Passes after which an image is kept, besides those at the times asked for.
+PASSES = [2**k for k in range(1, 24)]
 
 
 def version() -> str:
@@ -36,28 +40,70 @@ def settings(seed: int, threads: int, passes: int = ENDLESS) -> Settings:
     )
 
 
+class QueryClock:
+    """Seconds of the processor in ray queries, over all threads."""
+
+    def __init__(self) -> None:
+        self.spent: list[float] = []
+
+    def watch(self, owner: type, name: str) -> None:
+        """Count the calls of a method of ``owner`` from now on."""
+        method = getattr(owner, name)
+
+        def timed(*arguments: Any) -> Any:
+            begin = time.thread_time()
+            try:
+                return method(*arguments)
+            finally:
+                self.spent.append(time.thread_time() - begin)
+
+        setattr(owner, name, timed)
+
+
 def snapshots(
     scene: Scene, engine: str, times: Sequence[float], seed: int, threads: int, ready: Any
-) -> Iterator[tuple[float, Image]]:
-    """Seconds and image (h, w, 3), row 0 at the top, soon after each of ``times``."""
+) -> Iterator[tuple[float, Image, dict[str, float]]]:
+    """Seconds, image (h, w, 3) with row 0 at the top, and what ``Row`` tells of us alone.
+
+    Soon after each of ``times`` and of ``PASSES``.
+    """
     for _ in render(scene, settings(seed, threads, passes=1)):
         pass
     ready()
     pilot = pilot_seconds(scene, settings(seed, threads))
-    waiting, paused = list(times), 0.0
+    waiting, powers, paused = list(times), list(PASSES), 0.0
+    clock = QueryClock()
+    for name in ("nearest", "is_free"):
+        clock.watch(Intersector, name)
     updates = render(scene, settings(seed, threads))
+    begun = 0.0
     for update in updates:
+        if update.phase == "setup":
+            clock.spent.clear()
+            begun = time.process_time()
+            continue
         seconds = pilot + update.seconds - paused
-        if update.passes and seconds >= waiting[0]:
-            stopped = time.perf_counter()
-            image = update.film.resolve("combined")[::-1, :, :3].astype(np.float64)
-            while waiting and waiting[0] <= seconds:
-                waiting.pop(0)
-            yield seconds, image
-            paused += time.perf_counter() - stopped
-            if not waiting:
-                updates.close()
-                return
+        if not update.passes or (seconds < waiting[0] and update.passes < powers[0]):
+            continue
+        stopped, worked = time.perf_counter(), time.process_time()
+        image = update.film.resolve("combined")[::-1, :, :3].astype(np.float64)
+        while waiting and waiting[0] <= seconds:
+            waiting.pop(0)
+        while powers[0] <= update.passes:
+            powers.pop(0)
+        told = {
+            "passes": update.passes,
+            "stated": update.relative_error,
+            "noise": update.error.noise,
+            "bias": update.error.bias,
+            "embree": sum(clock.spent) / max(worked - begun, 1e-9),
+        }
+        yield seconds, image, told
+        paused += time.perf_counter() - stopped
+        begun += time.process_time() - worked
+        if not waiting:
+            updates.close()
+            return
 
 
 def pilot_seconds(scene: Scene, chosen: Settings) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from measure import Image
 from PIL import Image as Picture
 from speed_cases import CASES
-from speed_reference import Reference
+from speed_error import Reference
 from speed_run import Run
 
 #: Seconds of rendering of the pictures in the strips.

@@ -1,10 +1,10 @@
 """References of the benchmark's scenes: converged by an engine that is not ours.
 
-    python benchmarks/speed_reference.py [SCENE ...] [--seconds 600] [--error 2e-4]
+    python benchmarks/speed_reference.py [SCENE ...] [--seconds 600]
 
-Renders of different seeds are summed in float64 with their squares: the variance between
-them is the reference's own relMSE, which a json beside it tells. Sums stay in ``--state``
-so that a later run goes on where this one stopped. The image is stored as float16.
+Renders of different seeds are summed in float64 in three independent parts, from which
+`speed_error.py` knows the reference's own noise. Sums stay in ``--state`` so that a later
+run goes on where this one stopped. The parts are stored as float16.
 """
 
 from __future__ import annotations
@@ -23,24 +23,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import Image, read_exr, rel_mse, weighted_square
+from measure import Image
+from numpy.typing import NDArray
+from speed_error import PARTS, Reference, noise_of
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 FOLDER = HERE / "references" / "speed"
-
-
-@dataclass(frozen=True)
-class Reference:
-    """A converged image (h, w, 3); ``noise``: its own relMSE; ``facts``: its json."""
-
-    image: Image
-    noise: float
-    facts: dict[str, Any]
-
-    def error(self, image: Image) -> float:
-        """relMSE of an image. The reference's noise, which is independent, is taken off."""
-        return rel_mse(image, self.image) - self.noise
+#: relMSE that all references are brought to before one goes on to the next.
+STEPS = (5e-3, 2e-3, 1e-3, 5e-4, 2e-4)
 
 
 def load(name: str) -> Reference:
@@ -53,7 +44,7 @@ def load(name: str) -> Reference:
 
     if facts["digest"] != digest(CASES[name].build()):
         raise SystemExit(f"the reference of {name} shows another scene; make a new one")
-    return Reference(read_exr(path), float(facts["rel_mse"]), facts)
+    return Reference(read_parts(path), np.array(facts["work"]), facts)
 
 
 def that_show(names: Sequence[str]) -> list[str]:
@@ -81,13 +72,27 @@ def digest(scene: Any) -> str:
     return total.hexdigest()[:16]
 
 
-def write_half(path: Path, image: Image) -> None:
-    """Write (h, w, 3) as float16: exact to 0.05 %, relMSE 1e-7."""
+def read_parts(path: Path) -> Image:
+    """Parts (PARTS, h, w, 3) as ``write_parts`` left them."""
+    import OpenEXR
+
+    planes = OpenEXR.File(str(path), separate_channels=True).channels()
+    return np.stack(
+        [
+            np.stack([planes[f"part{k}.{c}"].pixels for c in "RGB"], axis=-1)
+            for k in range(PARTS)
+        ]
+    ).astype(np.float64)
+
+
+def write_parts(path: Path, parts: Image) -> None:
+    """Write (PARTS, h, w, 3) as float16: exact to 0.05 %, relMSE 1e-7."""
     import OpenEXR
 
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     planes = {
-        letter: np.ascontiguousarray(image[..., i], dtype=np.float16)
+        f"part{k}.{letter}": np.ascontiguousarray(part[..., i], dtype=np.float16)
+        for k, part in enumerate(np.minimum(parts, np.finfo(np.float16).max))
         for i, letter in enumerate("RGB")
     }
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -95,7 +100,7 @@ def write_half(path: Path, image: Image) -> None:
 
 
 def render_chunk(scene: str, engine: str, seconds: float, seed: int, threads: int) -> Any:
-    """One independent image of ``engine``, its seconds and the engine's name."""
+    """One independent image of ``engine``, and what its process tells."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out.npz"
         command = [sys.executable, str(HERE / "speed_worker.py"), scene, engine]
@@ -107,92 +112,121 @@ def render_chunk(scene: str, engine: str, seconds: float, seed: int, threads: in
         if not out.exists():
             raise SystemExit(f"{engine} failed on {scene}: {done.stderr[-2000:]}")
         with np.load(out) as kept:
-            name = json.loads(str(kept["facts"]))["engine"]
-            return kept["images"][-1].astype(np.float64), float(kept["seconds"][-1]), name
+            facts = json.loads(str(kept["facts"]))
+            return kept["images"][-1].astype(np.float64), facts
 
 
 @dataclass
 class Sums:
-    """Sums of independent images of one scene by one engine, kept in a file."""
+    """Sums of independent images of one scene by one engine, kept in a file.
+
+    ``total`` (PARTS, h, w, 3): images times their work; ``work`` (PARTS,): seconds of the
+    processor, so that an image of a busy minute does not weigh like one of a quiet minute.
+    """
 
     path: Path
     key: str
     total: Image
-    squares: Image
+    work: NDArray[np.float64]
     chunks: int = 0
-    seconds: float = 0.0
 
     @classmethod
     def open(cls, folder: Path, name: str, engine: str, key: str) -> Sums:
         """Those kept in ``folder``, or none yet."""
         folder.mkdir(parents=True, exist_ok=True)
-        sums = cls(folder / f"{name}_{engine}.npz", key, np.zeros(1), np.zeros(1))
+        nothing = np.zeros((PARTS, 1, 1, 1))
+        sums = cls(folder / f"{name}_{engine}.npz", key, nothing, np.zeros(PARTS))
         if sums.path.exists():
             with np.load(sums.path) as kept:
-                if str(kept["key"]) == key:
-                    sums.total, sums.squares = kept["total"], kept["squares"]
-                    sums.chunks, sums.seconds = int(kept["chunks"]), float(kept["seconds"])
+                if str(kept["key"]) == key and "work" in kept:
+                    sums.total, sums.work = kept["total"], kept["work"]
+                    sums.chunks = int(kept["chunks"])
         return sums
 
-    def add(self, image: Image, seconds: float) -> None:
-        """Count one more image and keep the sums."""
-        self.total, self.squares = self.total + image, self.squares + image**2
-        self.chunks, self.seconds = self.chunks + 1, self.seconds + seconds
+    def add(self, image: Image, work: float) -> None:
+        """Count one more image in the part that has least, and keep the sums."""
+        part = int(np.argmin(self.work))
+        more = np.zeros((PARTS, *image.shape))
+        more[part] = image * work
+        self.total = self.total + more
+        self.work[part] += work
+        self.chunks += 1
         values = {k: v for k, v in vars(self).items() if k != "path"}
-        np.savez(self.path, **values)
+        partial = self.path.with_suffix(".part.npz")
+        np.savez(partial, **values)
+        partial.replace(self.path)
 
     @property
-    def mean(self) -> Image:
-        """The image so far."""
-        return self.total / self.chunks
+    def parts(self) -> Image:
+        """The independent images so far."""
+        mean: Image = self.total / self.work[:, None, None, None]
+        return mean
 
     @property
     def error(self) -> float:
-        """relMSE of the mean, from the variance between the images."""
-        if self.chunks < 2:
-            return float("inf")
-        spread = np.maximum(self.squares - self.total**2 / self.chunks, 0.0)
-        variance = spread / (self.chunks - 1) / self.chunks
-        return float(weighted_square(variance, self.mean).mean())
+        """relMSE of all parts together."""
+        return noise_of(self.parts, self.work) if self.work.all() else float("inf")
 
 
-def improve(case: Any, args: argparse.Namespace) -> float:
-    """Add one image to a reference and write it; its relMSE now."""
+def sums_of(case: Any, args: argparse.Namespace) -> tuple[Sums, str]:
+    """What is kept of a scene's reference, and the scene's fingerprint."""
+    engine, fingerprint = args.engine or case.judge, digest(case.build())
+    return Sums.open(args.state, case.name, engine, f"{fingerprint} {engine}"), fingerprint
+
+
+def improve(case: Any, args: argparse.Namespace) -> None:
+    """Add one image to a reference and write it."""
     engine = args.engine or case.judge
-    fingerprint = digest(case.build())
-    sums = Sums.open(args.state, case.name, engine, f"{fingerprint} {engine}")
+    sums, fingerprint = sums_of(case, args)
     seed = 7000 + sums.chunks
-    image, seconds, name = render_chunk(case.name, engine, args.chunk, seed, args.threads)
+    image, told = render_chunk(case.name, engine, args.chunk, seed, args.threads)
     if not np.isfinite(image).all():
         raise SystemExit(f"{engine} gave a pixel that is not finite")
-    sums.add(image, seconds)
-    mean, error = sums.mean, sums.error
-    facts = {
-        "scene": case.name, "digest": fingerprint, "engine": name, "mode": engine,
-        "chunks": sums.chunks, "seconds": round(sums.seconds, 1), "threads": args.threads,
-        "rel_mse": error, "mean": [float(v) for v in mean.mean(axis=(0, 1))],
-    }  # fmt: skip
-    if args.engine is None and sums.chunks >= 2:
-        write_half(FOLDER / f"{case.name}.exr", mean)
+    sums.add(image, told["work"])
+    error = sums.error
+    if args.engine is None and np.isfinite(error):
+        facts = {
+            "scene": case.name, "digest": fingerprint, "engine": told["engine"],
+            "mode": engine, "chunks": sums.chunks, "work": [round(w, 1) for w in sums.work],
+            "rel_mse": error, "mean": [float(v) for v in sums.parts.mean(axis=(0, 1, 2))],
+        }  # fmt: skip
+        write_parts(FOLDER / f"{case.name}.exr", sums.parts)
         text = json.dumps(facts, indent=2) + "\n"
         (FOLDER / f"{case.name}.json").write_text(text)
     print(
-        case.name, engine, sums.chunks, f"relMSE {error:.2e} mean {mean.mean():.5f}", flush=True
-    )
-    return error
+        time.strftime("%H:%M"), case.name, engine, sums.chunks, f"work {told['work']:.1f}",
+        f"relMSE {error:.2e} mean {image.mean():.5f}", flush=True,
+    )  # fmt: skip
+
+
+def next_one(sums: dict[str, Sums]) -> str | None:
+    """Whose turn it is: of those above the first step that not all have reached, the one
+    that has least far to go; None when all have reached the last."""
+    for step in STEPS:
+        left = {
+            name: s.work.sum() * (s.error / step - 1.0)
+            if np.isfinite(s.error)
+            else s.work.sum()
+            for name, s in sums.items()
+            if s.error > step
+        }
+        if left:
+            return min(left, key=lambda name: left[name])
+    return None
 
 
 def main() -> None:
-    """Always improve the worst reference, until all are good or the time is over."""
+    """Improve the references step by step, until all are good or the time is over."""
     args = arguments()
     from speed_cases import CASES
 
     chosen = [CASES[name] for name in args.scenes or CASES]
-    errors = {case.name: float("inf") for case in chosen}
     started = time.monotonic()
-    while max(errors.values()) > args.error and time.monotonic() - started < args.seconds:
-        case = max(chosen, key=lambda each: errors[each.name])
-        errors[case.name] = improve(case, args)
+    while time.monotonic() - started < args.seconds:
+        name = next_one({case.name: sums_of(case, args)[0] for case in chosen})
+        if name is None:
+            return
+        improve(CASES[name], args)
 
 
 def arguments() -> argparse.Namespace:
@@ -202,7 +236,6 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--engine", help="another engine, kept in the state only")
     parser.add_argument("--seconds", type=float, default=600.0, help="stop after this time")
     parser.add_argument("--chunk", type=float, default=30.0, help="seconds of one render")
-    parser.add_argument("--error", type=float, default=2e-4, help="good enough")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--state", type=Path, default=HERE.parent / ".cache" / "references")
     return parser.parse_args()

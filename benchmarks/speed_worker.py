@@ -43,26 +43,31 @@ def main() -> None:
     scene = CASES[args.scene].build()
     building = time.perf_counter() - building
     module = import_module(MODULES[args.engine])
-    start_up = 0.0
+    start_up = begun = 0.0
 
     def ready() -> None:
-        nonlocal start_up
-        start_up = time.time() - started - building
+        nonlocal start_up, begun
+        start_up, begun = time.time() - started - building, time.process_time()
 
     times = [float(text) for text in args.times.split(",")]
-    seconds, images = [], []
-    for spent, image in module.snapshots(
+    seconds, images, told = [], [], []
+    for spent, image, *more in module.snapshots(
         scene, args.engine, times, args.seed, args.threads, ready
     ):
         seconds.append(spent)
         images.append(image.astype(np.float32))
+        told.append(more[0] if more else {})
+        work = time.process_time() - begun
     facts = {
         "engine": module.version(),
         "start_up": start_up,
+        # Seconds of the processor for the last image, over all threads.
+        "work": work,
         "load": os.getloadavg()[0],
         "peak_mb": peak_megabytes(),
     }
-    np.savez_compressed(args.out, seconds=seconds, images=images, facts=json.dumps(facts))
+    texts = {"facts": json.dumps(facts), "told": json.dumps(told)}
+    np.savez_compressed(args.out, seconds=seconds, images=images, **texts)
     # Blender's threads and LuxCore's sessions may keep the interpreter from ending.
     sys.stdout.flush()
     os._exit(0)

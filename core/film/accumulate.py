@@ -75,21 +75,81 @@ def variance_of_mean(part_sum: Table, part_count: Table, out: Table, mean: Table
 def bias_square(shrink: Table, part_count: Table, factor: float, out: Table) -> None:
     """Squared bias of each pixel, (n, 3), without the noise of its estimate.
 
-    ``shrink`` (2, n, 3): what the estimates lose when their radius shrinks, summed over
-    the even and over the odd replicates of ``part_count`` (R, n). The two halves have
-    nothing in common but their mean, so their product is its square in expectation; a
+    ``shrink`` (R, n, 3): what the estimates lose when their radius shrinks, summed over
+    the passes of each replicate, of which ``part_count`` (R, n) tells the number. Two of them
+    have nothing in common but their mean, so their product is its square in expectation; a
     single one may be negative.
     """
     for k in range(len(out)):
-        even = 0
-        odd = 0
-        for r in range(0, len(part_count), 2):
-            even += part_count[r, k]
-            odd += part_count[r + 1, k]
         for c in range(3):
-            a = shrink[0, k, c] / max(even, 1)
-            b = shrink[1, k, c] / max(odd, 1)
-            out[k, c] = factor * factor * a * b
+            total = 0.0
+            squares = 0.0
+            used = 0
+            for r in range(len(part_count)):
+                if part_count[r, k] > 0:
+                    s = shrink[r, k, c] / part_count[r, k]
+                    total += s
+                    squares += s * s
+                    used += 1
+            pairs = max(1, used * (used - 1))
+            out[k, c] = factor * factor * (total * total - squares) / pairs
+
+
+@kernel
+def crossed_means(
+    part_sum: Table, part_count: Table, shrink: Table, sharpen: float
+) -> tuple[float, float]:
+    """Means over (n, 3) of a pixel's variance and of its squared ``shrink``, each relative.
+
+    Each replicate's part of the variance, and each product of two replicates' ``shrink``, is
+    weighed by the light m of the other replicates: over m^2 + 0.01 mean^2, so that what
+    chance brings to the ones is not weighed by itself. For the products, m is sharpened by
+    what the discs lost, ``sharpen`` times. ``part_sum`` and ``shrink`` (R, n, 3),
+    ``part_count`` (R, n) with passes in each replicate.
+    """
+    parts = len(part_count)
+    pixels = part_sum.shape[1]
+    whole = 0.0
+    for k in range(pixels):
+        count = 0
+        s = 0.0
+        for r in range(parts):
+            count += part_count[r, k]
+            s += part_sum[r, k, 0] + part_sum[r, k, 1] + part_sum[r, k, 2]
+        whole += s / max(count, 1)
+    whole /= 3.0 * pixels
+    floor = 0.01 * whole * whole
+    variance = 0.0
+    product = 0.0
+    for k in range(pixels):
+        count = 0
+        for r in range(parts):
+            count += part_count[r, k]
+        for c in range(3):
+            total = 0.0
+            lost = 0.0
+            for r in range(parts):
+                total += part_sum[r, k, c]
+                lost += shrink[r, k, c]
+            if total <= 0.0:
+                continue
+            mean = total / count
+            for i in range(parts):
+                n = part_count[i, k]
+                light = (total - part_sum[i, k, c]) / (count - n)
+                gap = part_sum[i, k, c] / n - mean
+                variance += n * gap * gap / ((parts - 1) * count * (light * light + floor))
+                if lost == 0.0:
+                    continue
+                for j in range(i):
+                    m = part_count[j, k]
+                    light = total - part_sum[i, k, c] - part_sum[j, k, c]
+                    light -= sharpen * (lost - shrink[i, k, c] - shrink[j, k, c])
+                    light = max(0.0, light / (count - n - m))
+                    pair = shrink[i, k, c] / n * (shrink[j, k, c] / m)
+                    product += 2.0 * pair / (parts * (parts - 1) * (light * light + floor))
+    size = 3.0 * pixels
+    return variance / size, product / size
 
 
 @kernel

@@ -10,7 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sampling.rng import REPLICATES
-from .accumulate import add_samples, bias_square, relative_mean, variance_of_mean
+from .accumulate import (
+    add_samples,
+    bias_square,
+    crossed_means,
+    relative_mean,
+    variance_of_mean,
+)
 from .first_hits import FirstHits
 from .layers import (
     FIRST_HIT_LAYERS,
@@ -36,12 +42,19 @@ SAMPLE = np.dtype(
 #: The same as plain numbers per row, and those of them that are summed for the layers.
 COLUMNS = SAMPLE.itemsize // 8
 SUMMED = COLUMNS - 3
-#: The bias of a disc falls with its area: half the area leaves half of it, so all of it is
-#: twice what was lost (Richardson's extrapolation; Silverman 1986, section 3.3).
-BIAS_FACTOR = 2.0
-#: The relative variance q of a pixel, taken by its own mean, is too small by this times q^2
-#: (delta method: 2 k - 3 where the third moment of the noise is k variance^2 / mean; k is 2
-#: for exponential samples, and 2.5 was measured on the glass box).
+#: The bias of a disc over smooth light falls with its area: half the area leaves half of it,
+#: so all of it is twice what was lost (Richardson's extrapolation; Silverman 1986, section
+#: 3.3). At edges of light, which make most of it, the root mean square is 1.4 to 1.8 times
+#: that: measured on straight edges under this kernel, 1 to 64 passes.
+BIAS_FACTOR = 2.83
+#: Times what half the area loses is taken off the light where it weighs a bias: discs fill
+#: dark places beside bright ones, and an error counts by the light that belongs there.
+SHARPEN = 1.4
+#: Exponent of the noise weighed by the other replicates in the geometric mean with that weighed
+#: by all: measured on the benchmark's scenes (CONTRIBUTING, "Decisions").
+CROSSED = 0.6
+#: With less than all replicates: the relative variance q of a pixel, taken by its own mean, is
+#: too small by this times q^2 (delta method, for exponential samples).
 SKEW = 2.0
 #: Width of the square of pixels over which the layer "error" is averaged: the scatter of
 #: four replicates knows a single pixel's to a factor of two only.
@@ -62,7 +75,7 @@ class Film:
     """The picture so far, ``height`` rows from the bottom, ``width`` pixels each.
 
     ``LAYERS`` are always there, ``first_hits`` hold those that were asked for beside them.
-    Memory: 21 float64 sums, 18 for the error and 5 counters: 332 bytes a pixel, 144 for the
+    Memory: 21 float64 sums, 24 for the error and 5 counters: 380 bytes a pixel, 144 for the
     light by kind if it is kept, and 48 for each group of lights.
     """
 
@@ -97,7 +110,7 @@ class Film:
         self._count = np.zeros(count, np.int32)
         self._part_sum = np.zeros((REPLICATES, count, 3))
         self._part_count = np.zeros((REPLICATES, count), np.int32)
-        self._shrink = np.zeros((2, count, 3))
+        self._shrink = np.zeros((REPLICATES, count, 3))
         self.first_hits = FirstHits(count, first_hit, matte_ranks) if first_hit else None
         self._kinds = np.zeros((count, len(KIND_LAYERS), 3)) if light_kinds else None
         groups = [group_layer(name, c) for name in light_groups for c in (False, True)]
@@ -130,7 +143,7 @@ class Film:
             self._count[part],
             self._part_sum[replicate, part],
             self._part_count[replicate, part],
-            self._shrink[replicate % 2, part],
+            self._shrink[replicate, part],
             samples.view(np.float64).reshape(len(samples), COLUMNS),
             3 * len(LIGHT_LAYERS),
         )
@@ -277,16 +290,27 @@ class Film:
     def stated_error(self) -> StatedError:
         """How wrong the combined layer still is; infinite before the second pass.
 
-        relMSE = mean((x - ref)^2 / (ref^2 + 0.01 mean(ref)^2)), with the film's mean in
-        place of ``ref`` and the variance of that mean, plus the squared bias of the
-        density estimates, in place of the squared difference. A black image has no error.
+        relMSE = mean((x - ref)^2 / (ref^2 + 0.01 mean(ref)^2)), with the variance of the
+        film's mean, plus the squared bias of the density estimates, in place of the squared
+        difference. In place of ``ref``: a pixel's own mean makes rare bright samples weigh
+        themselves down; the other replicates' (``crossed_means``) makes pixels whose light
+        has not come there yet weigh too much. Noise is a geometric mean of both; bias, which
+        is a product of two replicates, is weighed by the others. What no path has found yet
+        cannot be known. A black image has no error.
         """
         if self.passes < 2:
             return UNKNOWN
         variance, mean = self._variance_and_mean()
-        noise = relative_mean(variance, mean, SKEW)
-        bias = max(0.0, relative_mean(self._bias_square(), mean, 0.0))
-        return StatedError(math.sqrt(noise), math.sqrt(bias))
+        if self.passes < REPLICATES:
+            noise = relative_mean(variance, mean, SKEW)
+            lost = relative_mean(self._bias_square(), mean, 0.0) / BIAS_FACTOR**2
+        else:
+            crossed, lost = crossed_means(
+                self._part_sum, self._part_count, self._shrink, SHARPEN
+            )
+            own = relative_mean(variance, mean, 0.0)
+            noise = own ** (1.0 - CROSSED) * max(0.0, crossed) ** CROSSED
+        return StatedError(math.sqrt(noise), BIAS_FACTOR * math.sqrt(max(0.0, lost)))
 
     def relative_error(self) -> float:
         """Square root of the estimated relMSE, noise and bias together."""
