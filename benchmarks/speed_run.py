@@ -17,8 +17,8 @@ from measure import Image
 from speed_error import Measured, Reference
 
 WORKER = Path(__file__).with_name("speed_worker.py")
-#: Longest time a render may take beyond its last image [s].
-PATIENCE = 240.0
+#: Longest time a render may take beyond its last image: the first compiles our kernels [s].
+PATIENCE = 420.0
 #: When images are looked at, about [s].
 TIMES = (0.25, 0.5, 1.0, 2.0, 3.5, 5.0, 8.0, 12.0, 20.0, 30.0)
 
