@@ -90,7 +90,10 @@ class Worker(threading.Thread):
         small = replace(
             camera, width=max(1, camera.width // COARSE), height=max(1, camera.height // COARSE)
         )
-        yield replace(self._scene, camera=small), replace(self._settings, passes=1)
+        # One ray each, and no look at where the noise comes from: the picture is there in
+        # 0.6 of the time (glass box, 100x100: 225 -> 132 ms).
+        coarse = replace(self._settings, passes=1, gather_rays=1)
+        yield replace(self._scene, camera=small), coarse
         yield self._scene, self._settings
 
     def _render(self, scene: Scene, settings: Settings) -> None:
