@@ -109,6 +109,10 @@ def render(
     threads: Annotated[int | None, typer.Option(help="Threads; 0 takes every core.")] = None,
     filter_: Annotated[PixelFilter | None, typer.Option("--filter")] = None,
     filter_width: Annotated[float | None, typer.Option(metavar="PX")] = None,
+    shadow_photons: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Straight paths from the lamps that spare shadow rays."),
+    ] = None,
     report: Annotated[
         Path | None,
         typer.Option(
@@ -129,6 +133,7 @@ def render(
     overrides = _limits(passes, seconds, error) | {
         "seed": seed,
         "threads": threads,
+        "shadow_photons": shadow_photons,
         "pixel_filter": filter_ and filter_.name,
         "filter_width": 1.0
         if filter_ == PixelFilter.BOX and not filter_width

@@ -2,9 +2,10 @@
 
     python benchmarks/shadow_photons.py [LAMPS ...]
 
-A floor with a hundred boxes under 1, 4 and 64 point lamps. Only direct light is rendered: no
-photons of other kinds. The shadow rays alone are timed too, batch by batch, and so is the
-look at the map. Prints the table of docs/shadow_photons.md.
+A floor with fifty boxes and fifty balls under 1, 4, 64 and 2000 point lamps. Only direct
+light is rendered: no photons of other kinds. The shadow rays alone are timed too, batch by
+batch, and so is the look at the map, and what one ray to one lamp tells with different ways to
+choose that lamp. Prints the tables of docs/shadow_photons.md.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from photon_map.core.camera_pass.shadow import free_part
 from photon_map.core.film.film import SAMPLE
 from photon_map.core.geometry.vector import vector
 from photon_map.core.jit import Row, Table, kernel
+from photon_map.core.lights.selection import selection_probability
 from photon_map.core.photons.shadow import (
     ASK,
     LIT,
@@ -54,7 +56,7 @@ def scene(lamps: int, radius: float) -> Scene:
         b.add_mesh(f"box {k}", *box((x - w, y - w, 1e-3), (x + w, y + w, h)), white)
         x, y = random.uniform(-3, 3, 2)
         b.add_mesh(f"ball {k}", *sphere((x, y, 0.3), 0.18, 4), white)
-    side = round(lamps**0.5)
+    side = int(np.ceil(lamps**0.5))
     for k in range(lamps):
         x, y = (2.5 * (2 * (c + 0.5) / side - 1) for c in divmod(k, side))
         b.add_point_light(f"lamp {k}", (x + 0.1, y - 0.2, 3.0), 30.0 / lamps, radius)
@@ -139,16 +141,74 @@ def parts(world: Scene, photons: int, rays: int) -> dict[str, float]:
     }  # fmt: skip
 
 
+@kernel
+def fill_choices(
+    shadows: Row, lights: Row, p: Table, ng: Table, engine: Table, share: Table
+) -> None:
+    """Of each lamp: the engine's probability at ``p``, its share of shadow photons there."""
+    for k in range(len(engine)):
+        engine[k] = selection_probability(lights, vector(p), k)
+        direct, shadow = count_photons(shadows, k, vector(p), vector(ng))
+        share[k] = shadow / (direct + shadow) if direct + shadow else 0.0
+
+
+def choices(world: Scene, photons: int, places: int) -> dict[str, float]:
+    """Relative standard deviation of light / probability, at the median place.
+
+    Worked out from all lamps at places on the floor, with one shadow ray to each.
+    """
+    settings = replace(SETTINGS, shadow_photons=photons)
+    prepared = prepare(world, settings)
+    shadows = shadow_map(prepared, settings)
+    lights = prepared.lights
+    lamps = len(world.lights)
+    strength = lights.strength[:lamps]
+    random = np.random.default_rng(5)
+    names = "by power", "by the engine", "by the engine and shadow photons"
+    found: list[list[float]] = []
+    for _ in range(places):
+        world_place = np.array([*random.uniform(-3, 3, 2), 9.0])
+        down = np.array([[0, 0, -1]], np.float32)
+        hits = prepared.intersector.nearest(
+            (world_place - prepared.centre.origin)[None].astype(np.float32), down
+        )
+        corners = prepared.mesh.vertices[prepared.mesh.faces[hits.face[0]]].astype(np.float64)
+        normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+        normal /= np.linalg.norm(normal)
+        p = corners[0] + hits.u[0] * (corners[1] - corners[0])
+        p += hits.v[0] * (corners[2] - corners[0])
+        to = lights.place[:lamps] - p
+        length = np.linalg.norm(to, axis=1)
+        cosine = np.maximum((to / length[:, None]) @ normal, 0.0)
+        free = prepared.intersector.is_free(
+            np.repeat((p + 1e-4 * normal)[None], lamps, axis=0).astype(np.float32),
+            to.astype(np.float32), np.full(lamps, 0.999, np.float32),
+        )  # fmt: skip
+        light = strength * cosine / length**2 * free
+        if light.sum() <= 0.0:
+            continue
+        engine, share = np.zeros((2, lamps))
+        fill_choices(shadows, lights, p, normal, engine, share)
+        guided = engine * np.maximum(1.0 - share, 0.1)
+        row = []
+        for prob in (strength / strength.sum(), engine, guided / guided.sum()):
+            use = light > 0
+            second = (light[use] ** 2 / prob[use]).sum()
+            row.append(max(second / light.sum() ** 2 - 1.0, 0.0) ** 0.5)
+        found.append(row)
+    return dict(zip(names, np.median(found, axis=0), strict=True))
+
+
 def main() -> None:
     """Print the parts of every case, and whole renders with few lamps."""
     whole_render(scene(1, 0.0), 1000)
-    wanted = [int(text) for text in sys.argv[1:]] or [1, 4, 64]
-    for lamps, radius in ((1, 0.0), (1, 0.1), (4, 0.0), (64, 0.0)):
+    wanted = [int(text) for text in sys.argv[1:]] or [1, 4, 64, 2000]
+    for lamps, radius in ((1, 0.0), (1, 0.1), (4, 0.0), (64, 0.0), (2000, 0.0)):
         if lamps not in wanted:
             continue
         world = scene(lamps, radius)
         for photons in (50_000, 400_000):
-            found = parts(world, photons, 65_536 if lamps <= 4 else 2048)
+            found = parts(world, photons, {1: 65_536, 4: 65_536, 64: 2048}.get(lamps, 128))
             print(
                 f"{lamps} lamps of radius {radius}, {photons} paths: {found['stored']} stored, "
                 f"disc {found['radius']:.3f} m, {100 * found['saved']:.1f} % saved, "
@@ -159,6 +219,11 @@ def main() -> None:
                 f"{found['building']:.2f} s",
                 flush=True,
             )
+        if radius == 0.0:
+            # Of 2000 lamps a look takes a millisecond: few photons, few places.
+            spread = choices(world, *((400_000, 512) if lamps <= 64 else (50_000, 32)))
+            words = ", ".join(f"{name} {value:.3f}" for name, value in spread.items())
+            print(f"  relative deviation of one ray to one lamp: {words}", flush=True)
         if lamps > 4:
             continue
         seconds, _, rays, truth = whole_render(world, 0)

@@ -109,7 +109,7 @@ def _direct(facts: _Facts) -> Stage:
 def _shadow_photons(facts: _Facts, settings: Settings) -> Stage:
     """Never by itself: docs/shadow_photons.md has what both cost."""
     if not settings.shadow_photons:
-        reason = "a shadow ray costs a thirtieth of a look at shadow photons"
+        reason = "a shadow ray costs a fifteenth of a look at shadow photons"
         return Stage("shadow photons", False, reason)
     if not facts.lamps or not facts.receives:
         return Stage("shadow photons", False, "no lamp whose shadow rays could be spared")

@@ -21,6 +21,9 @@ FIELDS = (
     "min_throughput",
     "caustic_radius",
     "alpha",
+    "shadow_photons",
+    "shadow_lit",
+    "shadow_dark",
     "pixel_filter",
     "exposure",
 )

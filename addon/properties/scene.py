@@ -129,6 +129,29 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
         precision=5,
         step=0.01,
     )
+    shadow_photons: IntProperty(  # type: ignore[valid-type]
+        name="Shadow Photons",
+        description="Straight paths from the lamps, once a render, that spare shadow rays "
+        "where they tell enough; 0 for none, which is faster",
+        default=_DEFAULT.shadow_photons,
+        min=0,
+        max=100_000_000,
+        soft_max=1_000_000,
+    )
+    shadow_lit: FloatProperty(  # type: ignore[valid-type]
+        name="Lit Below",
+        description="Share of shadow photons around a place below which it counts as lit",
+        default=_DEFAULT.shadow_lit,
+        min=0.0,
+        max=1.0,
+    )
+    shadow_dark: FloatProperty(  # type: ignore[valid-type]
+        name="Dark Above",
+        description="Share of shadow photons around a place above which it counts as dark",
+        default=_DEFAULT.shadow_dark,
+        min=0.0,
+        max=1.0,
+    )
     seed: IntProperty(  # type: ignore[valid-type]
         name="Seed",
         description="Another seed gives another noise pattern",

@@ -53,6 +53,12 @@ class PHOTONMAP_RENDER_PT_photons(RenderPanel, bpy.types.Panel):
         column.separator()
         column.prop(settings, "caustic_radius")
         column.prop(settings, "alpha")
+        column.separator()
+        column.prop(settings, "shadow_photons")
+        if settings.shadow_photons:
+            shares = column.column(align=True)
+            shares.prop(settings, "shadow_lit")
+            shares.prop(settings, "shadow_dark")
 
 
 class PHOTONMAP_RENDER_PT_paths(RenderPanel, bpy.types.Panel):

@@ -77,7 +77,9 @@ def _radius(places: NDArray[np.float32], lamps: int, size: float) -> float:
     k = min(NEIGHBOURS * lamps, len(places))
     if k == 0:
         return 0.01 * size
-    asked = places[:: max(1, len(places) // 512)]
+    # A search for many neighbours takes as long as many searches.
+    count = min(512, max(8, 2_000_000 // k))
+    asked = places[:: max(1, len(places) // count)]
     distance, _ = cKDTree(places).query(asked, k=[k])
     return float(max(np.median(distance), 1e-6 * size))
 
