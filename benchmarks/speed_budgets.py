@@ -147,12 +147,15 @@ def passes(scene: str, threads: str) -> dict[str, Any]:
     deque(render(built, settings(1, count, passes=2)), maxlen=1)
     best, work = float("inf"), float("inf")
     for seed in (1, 2):
-        spent = -1.0
+        # From the first update with a pass on: before it lies the look for the balance.
+        first, spent = None, 0.0
         for last in render(built, settings(seed, count, passes=PASSES)):
-            if last.phase == "render" and spent < 0:
-                spent = time.process_time()
-        best = min(best, last.seconds / PASSES)
-        work = min(work, (time.process_time() - spent) / PASSES)
+            if first is None and last.passes:
+                first, spent = last, time.process_time()
+        assert first is not None
+        done = max(1, last.passes - first.passes)
+        best = min(best, (last.seconds - first.seconds) / done)
+        work = min(work, (time.process_time() - spent) / done)
     queries: list[Any] = []
     traced = recording(Intersector, queries)
     for update in render(built, settings(1, count, passes=4)):
@@ -160,10 +163,13 @@ def passes(scene: str, threads: str) -> dict[str, Any]:
             queries.clear()
     for name, method in traced.items():
         setattr(Intersector, name, method)
+    # Some of the recorded rays belong to the look before the first pass.
+    rays = update.film.statistics.rays / 4
+    share = rays / max(1, sum(len(query[2]) for query in queries))
     embree, bare = (
-        min(both) / 4 for both in zip(*(replay(queries, count) for _ in range(3)), strict=True)
+        share * min(both)
+        for both in zip(*(replay(queries, count) for _ in range(3)), strict=True)
     )
-    rays = sum(len(query[2]) for query in queries) / 4
     return {
         "pass": best, "pass_cpu": work, "embree": embree, "embree_cpu": bare, "rays": rays
     }  # fmt: skip
