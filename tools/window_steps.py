@@ -205,10 +205,9 @@ def timed(frames: Frames, edit: Callable[[], None], what: str) -> Generator[floa
     return frames.first(begin, old)
 
 
-def latencies(frames: Frames, samples: list[str]) -> Generator[float, None, dict[str, Any]]:
+def latencies(frames: Frames, found: dict[str, Any]) -> Steps:
     """Edits of each sample in the rendered viewport, which is rendering meanwhile."""
-    found: dict[str, Any] = {}
-    for sample in samples:
+    for sample in JOB["samples"]:
         with bpy.context.temp_override(window=window()):
             bpy.ops.wm.open_mainfile(filepath=sample, load_ui=False)
         yield 0.2
@@ -221,13 +220,13 @@ def latencies(frames: Frames, samples: list[str]) -> Generator[float, None, dict
             seconds = yield from timed(frames, edit, f"{name}: {what}")
             found[name][what] = round(seconds, 3)
             yield 0.3
-    return found
 
 
-def told(steps: Steps, what: str) -> Steps:
-    """Say that a part begins, for whoever reads the output after a failure."""
+def told(steps: Steps, what: str, found: dict[str, Any]) -> Steps:
+    """Say that a part begins, for whoever reads the output after a failure; keep its end."""
     print(f"window test: {what}", flush=True)
     yield from steps
+    (FOLDER / "found.json").write_text(json.dumps(found, indent=1))
 
 
 def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
@@ -318,14 +317,14 @@ def whole() -> Steps:
     bpy.context.preferences.view.render_display_type = "AREA"
     yield 1.0
     frames = Frames()
-    yield from told(viewport(frames, found), "viewport")
-    yield from told(final(found), "F12")
-    yield from told(panels(found), "panels")
+    yield from told(viewport(frames, found), "viewport", found)
+    yield from told(final(found), "F12", found)
+    yield from told(panels(found), "panels", found)
     area = max(window().screen.areas, key=lambda a: a.width * a.height)
     area.type = "VIEW_3D"
     yield 0.5
-    found["latency"] = yield from latencies(frames, JOB["samples"])
-    (FOLDER / "found.json").write_text(json.dumps(found, indent=1))
+    found["latency"] = {}
+    yield from told(latencies(frames, found["latency"]), "latency", found)
     bpy.ops.wm.quit_blender()
 
 
