@@ -91,7 +91,7 @@ def drive(blender: Blender, display: str, folder: Path) -> dict[str, Any]:
     for script in ("window_steps.py", "xwd.py"):
         shutil.copy(ROOT / "tools" / script, folder)
     done = subprocess.run(
-        [blender.command, "--offline-mode", "--enable-event-simulate", "--window-geometry", "0",
+        [blender.command, "--offline-mode", "--window-geometry", "0",
          "0", str(WIDTH), str(HEIGHT), str(sample), "-E", "PHOTONMAP", "-P",
          str(folder / "window_steps.py"), "--", str(folder / "job.json")],
         env={**blender.environment, "DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"},
