@@ -7,7 +7,6 @@ found goes to `found.json` there; an exception ends Blender with code 3.
 
 from __future__ import annotations
 
-import ctypes
 import importlib
 import json
 import os
@@ -24,6 +23,7 @@ import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 sys.path.insert(0, str(Path(__file__).parent))
+from escape import press_escape  # type: ignore[import-not-found]
 from xwd import read_xwd  # type: ignore[import-not-found]
 
 JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
@@ -221,46 +221,6 @@ def latencies(frames: Frames, found: dict[str, Any]) -> Steps:
             seconds = yield from timed(frames, edit, f"{name}: {what}")
             found[name][what] = round(seconds, 3)
             yield 0.3
-
-
-class KeyEvent(ctypes.Structure):
-    """`XKeyEvent` of Xlib, padded to the size of `XEvent`."""
-
-    _fields_ = (
-        ("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("send_event", ctypes.c_int),
-        ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("root", ctypes.c_ulong),
-        ("subwindow", ctypes.c_ulong), ("time", ctypes.c_ulong), ("x", ctypes.c_int),
-        ("y", ctypes.c_int), ("x_root", ctypes.c_int), ("y_root", ctypes.c_int),
-        ("state", ctypes.c_uint), ("keycode", ctypes.c_uint), ("same_screen", ctypes.c_int),
-        ("padding", ctypes.c_long * 24),
-    )  # fmt: skip
-
-
-def press_escape() -> None:
-    """Press Escape by the X server: Blender's simulated events do not break a render."""
-    x = ctypes.CDLL("libX11.so.6")
-    x.XOpenDisplay.restype, x.XDefaultRootWindow.restype = ctypes.c_void_p, ctypes.c_ulong
-    display = ctypes.c_void_p(x.XOpenDisplay(None))
-    root = x.XDefaultRootWindow(display)
-    found, children = (ctypes.c_ulong * 2)(), ctypes.POINTER(ctypes.c_ulong)()
-    count = ctypes.c_uint()
-    second = ctypes.byref(found, ctypes.sizeof(ctypes.c_ulong))
-    x.XQueryTree(
-        display, ctypes.c_ulong(root), found, second, ctypes.byref(children),
-        ctypes.byref(count),
-    )  # fmt: skip
-    escape = x.XKeysymToKeycode(display, ctypes.c_ulong(0xFF1B))
-    for child in children[: count.value]:
-        for kind, mask in ((2, 1), (3, 2)):
-            event = KeyEvent(
-                type=kind, display=display, window=child, root=root, keycode=escape,
-                same_screen=1,
-            )  # fmt: skip
-            x.XSendEvent(
-                display, ctypes.c_ulong(child), 1, ctypes.c_long(mask), ctypes.byref(event)
-            )
-    x.XFlush(display)
-    x.XCloseDisplay(display)
 
 
 def told(steps: Steps, what: str, found: dict[str, Any]) -> Steps:

@@ -88,7 +88,7 @@ def drive(blender: Blender, display: str, folder: Path) -> dict[str, Any]:
         "samples": [str(copy) for copy in copies],
     }
     (folder / "job.json").write_text(json.dumps(job))
-    for script in ("window_steps.py", "xwd.py"):
+    for script in ("window_steps.py", "escape.py", "xwd.py"):
         shutil.copy(ROOT / "tools" / script, folder)
     done = subprocess.run(
         [blender.command, "--offline-mode", "--window-geometry", "0",
