@@ -65,9 +65,9 @@ def calibration_section(curves: Mapping[str, Mapping[str, Run]]) -> Iterator[str
             f"{100 * SHARE:.0f} % are asked from pass {FIRST} on. The last columns: the true "
             f"error of a render that stops where it states {100 * GOAL:g} % (asked: "
             f"{100 * LOW * GOAL:.2f} to {100 * HIGH * GOAL:.2f} %), and the parts of the last "
-            "statement. A dash: the render was not there, or its reference is too noisy to say. "
-            "Light that no path has found yet is in no statement; at few passes, light that one "
-            "of four replicates alone has found makes it too large."
+            "statement. A dash: the render was not there, or its reference is too noisy to say."
+            " Light that no path has found yet is in no statement; at few passes, light that "
+            "one of four replicates alone has found makes it too large."
         )
         yield ""
     heads = " | ".join(f"{passes}" for passes in PASSES)
