@@ -14,7 +14,7 @@ from .photons.radius import GLOBAL_ALPHA, radius_factor
 from .photons.rows import CELL
 from .photons.shadow import shadow_map
 from .photons.trace import Walk, Watcher, trace_photons
-from .pilot import PILOT_PASS, Radii, first_radii, no_radii
+from .pilot import CROWD, PILOT_PASS, Radii, first_radii, no_radii
 from .plan import Plan
 from .prepared import Prepared
 from .sampling.rng import PHOTON_CAUSTIC, PHOTON_GLOBAL
@@ -102,6 +102,11 @@ def pilot_radii(
     if source.batches:
         caustics = any(batch.caustic for batch in source.batches)
         radii = first_radii(prepared, settings, region, source.pilot(), caustics)
+        if caustics:
+            # Traced even where the others are baked: they shall be others.
+            batch = Batch(True, 0, CROWD, CROWD)
+            walk = trace_batch(prepared, settings, PILOT_PASS, batch)
+            radii = radii._replace(crowd=build_photon_map([walk], radii.caustic[3]))
     if settings.shadow_photons:
         radii = radii._replace(shadows=shadow_map(prepared, settings))
     return radii
@@ -127,4 +132,5 @@ def photon_maps(
         stored=sum(len(w.photons) for w in walks),
         rays=sum(w.rays for w in walks),
         shadows=radii.shadows,
+        crowd=radii.crowd_of(sum(b.count for b in batches if b.caustic)),
     )

@@ -15,6 +15,7 @@ from .geometry.borders import border_sides, borders_of, joined, no_borders, shor
 from .geometry.crossings import crossings
 from .geometry.surfaces import Surfaces
 from .photons.coverage import MOST_PIECES, BorderGrid, border_grid
+from .photons.photon_map import Crowd, PhotonMap
 from .photons.rows import CELL
 from .photons.shadow import ShadowMap
 from .prepared import Prepared
@@ -24,6 +25,8 @@ from .settings import Settings
 PILOT_PASS = 2_000_000_000
 #: Pixels that the pilot looks at, at most.
 PIXELS = 4096
+#: Caustic photons that tell where light is focused.
+CROWD = 8192
 #: Photons in the first disc of the final gather's map.
 GLOBAL_NEIGHBOURS = 20
 #: The grid's cells suit discs of the usual size; this bounds the others, as factors.
@@ -34,7 +37,7 @@ class Radii(NamedTuple):
     """Radii of pass 0. ``caustic``: pixel footprints, least, most, cell; ``global_`` [m].
 
     The borders are in grids for discs of up to those radii. ``shadows``: the shadow photons,
-    None without.
+    None without; ``crowd``: the map of ``CROWD`` caustic photons, None without.
     """
 
     caustic: tuple[float, float, float, float]
@@ -42,11 +45,18 @@ class Radii(NamedTuple):
     caustic_borders: BorderGrid
     global_borders: BorderGrid
     shadows: ShadowMap | None = None
+    crowd: PhotonMap | None = None
 
     def with_caustics(self, factor: float) -> Radii:
         """Discs of caustics ``factor`` (1 at most) times as wide."""
         footprints, least, most, cell = (factor * r for r in self.caustic)
         return self._replace(caustic=(footprints, least, most, cell))
+
+    def crowd_of(self, emitted: int) -> Crowd | None:
+        """Where passes that emit so many caustic photons are dense."""
+        if self.crowd is None:
+            return None
+        return Crowd(self.crowd, emitted / CROWD, self.caustic[:3])
 
 
 def no_radii() -> Radii:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .baking.bake import misfits
 from .baking.maps_file import BakeError, MapsFile
-from .camera_pass.caustics import footprints
+from .camera_pass.caustics import crowded_radius
 from .camera_pass.chunk import Region
 from .geometry.intersector import Hits
 from .geometry.vector import Vector
@@ -149,11 +149,14 @@ class ViewedPass:
 
     def _caustic_radius(self, place: Place) -> float:
         """Of the disc where the camera sees ``place`` itself."""
-        camera = self._prepared.camera
-        away = place.position - self._prepared.centre.origin - camera.position
-        seen = footprints(camera, np.array([np.linalg.norm(away)]))
-        number, least, most = self._maps.caustic_radii
-        return float(np.clip(number * seen[0], least, most))
+        away = place.position - self._prepared.centre.origin
+        length = float(np.linalg.norm(away - self._prepared.camera.position))
+        return float(
+            crowded_radius(
+                self._prepared.camera, self._maps.caustic_radii, self._maps.crowd, tuple(away),
+                tuple(place.normal), length, np.zeros(SIGHT),
+            )
+        )  # fmt: skip
 
     def _disc(self, place: Place, caustic: bool, radius: float, borders: BorderGrid) -> Disc:
         rows = np.flatnonzero(self.view.caustic == caustic)

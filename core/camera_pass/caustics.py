@@ -7,8 +7,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.vector import Vector, vector
 from ..jit import Row, Table, kernel
+from ..photons.gather import gather_irradiance
+from ..photons.sight import SECTORS
 from .estimate import add_estimate
+
+#: Photons from which on a disc of caustics is made smaller, ...
+ENOUGH = 8
+#: ... and to what part of its first radius at least.
+LEAST_DISC = 0.05
 
 
 @kernel
@@ -46,12 +54,33 @@ def disc_radius(camera: Row, radii: Table, length: float) -> float:
 
 
 @kernel
+def crowded_radius(
+    camera: Row, radii: Table, crowd: Row, p: Vector, ng: Vector, length: float, sight: Table
+) -> float:
+    """Radius [m] of the disc at ``p``: smaller where light is focused.
+
+    There a disc has hundreds of photons, and its blur outweighs its noise. ``crowd`` tells by
+    photons of another pass, since a choice by the photons that are summed would bias the sum.
+    ``sight`` (SIGHT,) is overwritten.
+    """
+    radius = disc_radius(camera, radii, length)
+    first = disc_radius(camera, crowd.radii, length)
+    sight[SECTORS] = 0.0
+    _, _, found = gather_irradiance(crowd.photons, p, ng, first, sight)
+    expected = crowd.factor * found
+    if expected > ENOUGH:
+        radius = min(radius, max(LEAST_DISC, math.sqrt(ENOUGH / expected)) * first)
+    return radius
+
+
+@kernel
 def gather_caustics(
     lobes: Table,
     camera: Row,
     photon_map: Row,
     borders: Row,
     radii: Table,
+    crowd: Row,
     vertices: Table,
     count: int,
     samples: Table,
@@ -64,6 +93,7 @@ def gather_caustics(
     """
     for k in range(count):
         vertex = vertices[k]
-        radius = disc_radius(camera, radii, vertex.length)
+        p, ng = vector(vertex.p), vector(vertex.ng)
+        radius = crowded_radius(camera, radii, crowd, p, ng, vertex.length, sight)
         sample = samples[vertex.slot]
         add_estimate(sample.caustics, sample, vertex, lobes, photon_map, borders, radius, sight)

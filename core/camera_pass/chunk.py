@@ -14,7 +14,7 @@ from ..film.film import SAMPLE
 from ..film.first_hits import FIRST_HIT
 from ..film.layers import END_LAYERS
 from ..photons.coverage import BorderGrid
-from ..photons.photon_map import PhotonMap
+from ..photons.photon_map import Crowd, PhotonMap
 from ..photons.shadow import ASK, LIT, ShadowMap, decide
 from ..photons.sight import SIGHT
 from ..prepared import Prepared
@@ -51,7 +51,7 @@ class PhotonMaps(NamedTuple):
     """Both maps of a pass, None where the plan has none, and the radii to ask them with.
 
     The borders are those of the surfaces, for discs near them; ``shadows``: what spares shadow
-    rays, None when they are all traced.
+    rays, None when they are all traced; ``crowd``: where discs of caustics are smaller.
     ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m].
     """
 
@@ -65,6 +65,7 @@ class PhotonMaps(NamedTuple):
     stored: int
     rays: int
     shadows: ShadowMap | None = None
+    crowd: Crowd | None = None
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,13 @@ def _gather(
     if maps.caustic is not None:
         asked = (prepared.camera, maps.caustic, maps.caustic_borders, maps.caustic_radii)
         gather_caustics(
-            ends.lobes, *asked, ends.vertices, len(ends.vertices), samples, np.zeros(SIGHT)
+            ends.lobes,
+            *asked,
+            maps.crowd,
+            ends.vertices,
+            len(ends.vertices),
+            samples,
+            np.zeros(SIGHT),
         )
         if kinds:
             kinds.add_caustics(ends, *asked, samples)

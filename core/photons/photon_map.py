@@ -28,6 +28,18 @@ class PhotonMap(NamedTuple):
     cell: float
 
 
+class Crowd(NamedTuple):
+    """Where caustic photons are dense: those of a pass of their own.
+
+    ``factor``: photons that a pass emits for each of them; ``radii``: of the first pass's
+    discs, (pixels per footprint, least, most).
+    """
+
+    photons: PhotonMap
+    factor: float
+    radii: tuple[float, float, float]
+
+
 def build_photon_map(walks: list[Walk], cell: float) -> PhotonMap:
     """Sort the photons of ``walks`` into cells of edge ``cell``.
 
