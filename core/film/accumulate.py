@@ -6,6 +6,10 @@ import math
 
 from ..jit import Table, kernel
 
+#: Squared relative error of one pixel, at most: a lamp that one replicate alone has found in
+#: a dark glass would else outweigh the whole image.
+MOST = 25.0
+
 
 @kernel
 def add_samples(
@@ -104,7 +108,8 @@ def crossed_means(
     Each replicate's part of the variance, and each product of two replicates' ``shrink``, is
     weighed by the light m of the other replicates: over m^2 + 0.01 mean^2, so that what
     chance brings to the ones is not weighed by itself. For the products, m is sharpened by
-    what the discs lost, ``sharpen`` times. ``part_sum`` and ``shrink`` (R, n, 3),
+    what the discs lost, ``sharpen`` times. No pixel counts for more than ``MOST``.
+    ``part_sum`` and ``shrink`` (R, n, 3),
     ``part_count`` (R, n) with passes in each replicate.
     """
     parts = len(part_count)
@@ -134,11 +139,13 @@ def crossed_means(
             if total <= 0.0:
                 continue
             mean = total / count
+            own = 0.0
+            pairs = 0.0
             for i in range(parts):
                 n = part_count[i, k]
                 light = (total - part_sum[i, k, c]) / (count - n)
                 gap = part_sum[i, k, c] / n - mean
-                variance += n * gap * gap / ((parts - 1) * count * (light * light + floor))
+                own += n * gap * gap / ((parts - 1) * count * (light * light + floor))
                 if lost == 0.0:
                     continue
                 for j in range(i):
@@ -147,7 +154,9 @@ def crossed_means(
                     light -= sharpen * (lost - shrink[i, k, c] - shrink[j, k, c])
                     light = max(0.0, light / (count - n - m))
                     pair = shrink[i, k, c] / n * (shrink[j, k, c] / m)
-                    product += 2.0 * pair / (parts * (parts - 1) * (light * light + floor))
+                    pairs += 2.0 * pair / (parts * (parts - 1) * (light * light + floor))
+            variance += min(own, MOST)
+            product += min(max(pairs, -MOST), MOST)
     size = 3.0 * pixels
     return variance / size, product / size
 
