@@ -299,6 +299,8 @@ def panels(found: dict[str, Any]) -> Steps:
     """Each tab of the properties, in the largest area there is."""
     area = max(window().screen.areas, key=lambda a: a.width * a.height)
     area.type = "PROPERTIES"
+    # It knows its tabs when it has been drawn.
+    yield 0.5
     scene = bpy.context.scene
     chosen = next(o for o in scene.objects if o.type == "MESH")
     lamp = next((o for o in scene.objects if o.type == "LIGHT"), chosen)
