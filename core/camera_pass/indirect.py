@@ -88,7 +88,7 @@ def gather_order(photon_map: PhotonMap, vertices: NDArray[np.void]) -> NDArray[n
     if photon_map.photons.nbytes < _LARGE:
         return np.arange(len(vertices), dtype=np.intp)
     bucket = np.empty(len(vertices), np.int32)
-    find_vertex_buckets(photon_map.cell, len(photon_map.start) - 1, vertices, bucket)
+    find_vertex_buckets(photon_map.cell, photon_map.buckets, vertices, bucket)
     return np.argsort(bucket, kind="stable")
 
 

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from ..bsdf.dispatch import is_twosided
 from ..bsdf.kinds import GLOSSY_KIND, TRANSMITTED_KIND, eval_kinds, one_kind
 from ..film.layers import KIND_LAYERS
-from ..geometry.vector import Vector, dot, scale, subtract, vector
+from ..geometry.vector import Vector, dot, scale, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR
 from ..photons.cells import row_of
 from ..photons.coverage import look_around
-from ..photons.gather import disc_weight, facing
+from ..photons.gather import disc_weight, facing, to_photon
 from ..photons.photon_map import PhotonMap
-from ..photons.rows import cells_near, largest_radius, photons_in, rows_near
+from ..photons.rows import largest_radius, photons_near, rows_near
 from ..photons.sight import SECTORS, SIGHT, is_hidden
 from ..scene.tables import Visibility
 from .caustics import disc_radius
@@ -225,37 +225,28 @@ def _gather_kinds(
     """As ``gather_radiance``, by kinds and up to a common factor."""
     p, ng = vector(vertex.p), vector(vertex.ng)
     ns, wo = vector(vertex.ns), vector(vertex.wo)
-    parted = sight[SECTORS] != 0.0
     both = is_twosided(vertex, lobes)
     diffuse = glossy = transmitted = (0.0, 0.0, 0.0)
     radius = min(radius, largest_radius(photon_map.cell))
+    parted = sight[SECTORS] != 0.0
     inverse = 1.0 / (radius * radius)
-    first_y, last_y, first_z, last_z = rows_near(photon_map.cell, p, ng, radius)
-    for z in range(first_z, last_z + 1):
-        for y in range(first_y, last_y + 1):
-            bucket, count, row = cells_near(photon_map, y, z, p, ng, radius)
-            if count == 0:
+    rows = rows_near(photon_map.cell, p, ng, radius)
+    for j in range(rows[3]):
+        first, last, row = photons_near(photon_map, rows, j, p, ng, radius)
+        for k in range(first, last):
+            weight = disc_weight(photon_map.places, k, p, ng, radius, inverse)
+            if weight <= 0.0 or row_of(photon_map.keys[k]) != row:
                 continue
-            for part in range(2):
-                first, last = photons_in(photon_map.start, bucket, count, part)
-                for k in range(first, last):
-                    weight = disc_weight(photon_map.places, k, p, ng, radius, inverse)
-                    if weight <= 0.0 or row_of(photon_map.keys[k]) != row:
-                        continue
-                    photon = photon_map.photons[k]
-                    cosine = facing(photon, ng, both)
-                    if cosine == 0.0:
-                        continue
-                    if parted and is_hidden(
-                        sight, subtract(vector(photon.position), p), ng, radius
-                    ):
-                        continue
-                    wi = vector(photon.direction)
-                    d, g, t = eval_kinds(vertex, lobes, ns, wo, wi, photon.part)
-                    flux = scale(vector(photon.flux), weight * cosine)
-                    diffuse = _plus(diffuse, d, flux)
-                    glossy = _plus(glossy, g, flux)
-                    transmitted = _plus(transmitted, t, flux)
+            photon = photon_map.photons[k]
+            cosine = facing(photon, ng, both)
+            if cosine == 0.0 or (parted and is_hidden(sight, to_photon(photon, p), ng, radius)):
+                continue
+            wi = vector(photon.direction)
+            d, g, t = eval_kinds(vertex, lobes, ns, wo, wi, photon.part)
+            flux = scale(vector(photon.flux), weight * cosine)
+            diffuse = _plus(diffuse, d, flux)
+            glossy = _plus(glossy, g, flux)
+            transmitted = _plus(transmitted, t, flux)
     return diffuse, glossy, transmitted
 
 

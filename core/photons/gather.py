@@ -20,7 +20,7 @@ from ..geometry.vector import Vector, scale, times, vector
 from ..jit import Row, Table, kernel
 from ..sampling.warps import INV_PI
 from .cells import row_of
-from .rows import MOST_HEIGHT, cells_near, largest_radius, photons_in, rows_near
+from .rows import MOST_HEIGHT, largest_radius, photons_near, rows_near
 from .sight import SECTORS, is_hidden
 
 #: Photons count when their surface's normal is within 45 degrees of the query's.
@@ -57,7 +57,7 @@ def facing(photon: Row, ng: Vector, both: bool) -> float:
 
 
 @kernel
-def _to(photon: Row, p: Vector) -> Vector:
+def to_photon(photon: Row, p: Vector) -> Vector:
     """The way from ``p`` to a photon."""
     x = photon.position
     return x[0] - p[0], x[1] - p[1], x[2] - p[2]
@@ -89,39 +89,32 @@ def gather_radiance(
     r = g = b = 0.0
     r_in = g_in = b_in = 0.0
     found = 0
-    parted = sight[SECTORS] != 0.0
     radius = min(radius, largest_radius(photon_map.cell))
+    parted = sight[SECTORS] != 0.0
     inverse = 1.0 / (radius * radius)
-    first_y, last_y, first_z, last_z = rows_near(photon_map.cell, p, ng, radius)
-    for z in range(first_z, last_z + 1):
-        for y in range(first_y, last_y + 1):
-            bucket, count, row = cells_near(photon_map, y, z, p, ng, radius)
-            if count == 0:
+    rows = rows_near(photon_map.cell, p, ng, radius)
+    for j in range(rows[3]):
+        first, last, row = photons_near(photon_map, rows, j, p, ng, radius)
+        for k in range(first, last):
+            weight = disc_weight(photon_map.places, k, p, ng, radius, inverse)
+            if weight <= 0.0 or row_of(photon_map.keys[k]) != row:
                 continue
-            for part in range(2):
-                first, last = photons_in(photon_map.start, bucket, count, part)
-                for k in range(first, last):
-                    weight = disc_weight(photon_map.places, k, p, ng, radius, inverse)
-                    if weight <= 0.0 or row_of(photon_map.keys[k]) != row:
-                        continue
-                    photon = photon_map.photons[k]
-                    cosine = facing(photon, ng, both)
-                    if cosine == 0.0:
-                        continue
-                    if parted and is_hidden(sight, _to(photon, p), ng, radius):
-                        continue
-                    found += 1
-                    wi = vector(photon.direction)
-                    f = eval_part(surface, lobes, ns, wo, wi, photon.part)
-                    # 1 - d^2 / (r^2 / 2), the same kernel on half the area.
-                    inner = cosine * max(0.0, 2.0 * weight - 1.0)
-                    weight *= cosine
-                    r += weight * f[0] * photon.flux[0]
-                    g += weight * f[1] * photon.flux[1]
-                    b += weight * f[2] * photon.flux[2]
-                    r_in += inner * f[0] * photon.flux[0]
-                    g_in += inner * f[1] * photon.flux[1]
-                    b_in += inner * f[2] * photon.flux[2]
+            photon = photon_map.photons[k]
+            cosine = facing(photon, ng, both)
+            if cosine == 0.0 or (parted and is_hidden(sight, to_photon(photon, p), ng, radius)):
+                continue
+            found += 1
+            wi = vector(photon.direction)
+            f = eval_part(surface, lobes, ns, wo, wi, photon.part)
+            # 1 - d^2 / (r^2 / 2), the same kernel on half the area.
+            inner = cosine * max(0.0, 2.0 * weight - 1.0)
+            weight *= cosine
+            r += weight * f[0] * photon.flux[0]
+            g += weight * f[1] * photon.flux[1]
+            b += weight * f[2] * photon.flux[2]
+            r_in += inner * f[0] * photon.flux[0]
+            g_in += inner * f[1] * photon.flux[1]
+            b_in += inner * f[2] * photon.flux[2]
     norm = 2.0 / (math.pi * radius * radius)
     return scale((r, g, b), norm), scale((r_in, g_in, b_in), 2.0 * norm), found
 
@@ -138,35 +131,28 @@ def gather_irradiance(
     r = g = b = 0.0
     r_in = g_in = b_in = 0.0
     found = 0
-    parted = sight[SECTORS] != 0.0
     radius = min(radius, largest_radius(photon_map.cell))
+    parted = sight[SECTORS] != 0.0
     inverse = 1.0 / (radius * radius)
-    first_y, last_y, first_z, last_z = rows_near(photon_map.cell, p, ng, radius)
-    for z in range(first_z, last_z + 1):
-        for y in range(first_y, last_y + 1):
-            bucket, count, row = cells_near(photon_map, y, z, p, ng, radius)
-            if count == 0:
+    rows = rows_near(photon_map.cell, p, ng, radius)
+    for j in range(rows[3]):
+        first, last, row = photons_near(photon_map, rows, j, p, ng, radius)
+        for k in range(first, last):
+            weight = disc_weight(photon_map.places, k, p, ng, radius, inverse)
+            if weight <= 0.0 or row_of(photon_map.keys[k]) != row:
                 continue
-            for part in range(2):
-                first, last = photons_in(photon_map.start, bucket, count, part)
-                for k in range(first, last):
-                    weight = disc_weight(photon_map.places, k, p, ng, radius, inverse)
-                    if weight <= 0.0 or row_of(photon_map.keys[k]) != row:
-                        continue
-                    photon = photon_map.photons[k]
-                    cosine = facing(photon, ng, False)
-                    if cosine == 0.0:
-                        continue
-                    if parted and is_hidden(sight, _to(photon, p), ng, radius):
-                        continue
-                    found += 1
-                    inner = cosine * max(0.0, 2.0 * weight - 1.0)
-                    weight *= cosine
-                    r += weight * photon.flux[0]
-                    g += weight * photon.flux[1]
-                    b += weight * photon.flux[2]
-                    r_in += inner * photon.flux[0]
-                    g_in += inner * photon.flux[1]
-                    b_in += inner * photon.flux[2]
+            photon = photon_map.photons[k]
+            cosine = facing(photon, ng, False)
+            if cosine == 0.0 or (parted and is_hidden(sight, to_photon(photon, p), ng, radius)):
+                continue
+            found += 1
+            inner = cosine * max(0.0, 2.0 * weight - 1.0)
+            weight *= cosine
+            r += weight * photon.flux[0]
+            g += weight * photon.flux[1]
+            b += weight * photon.flux[2]
+            r_in += inner * photon.flux[0]
+            g_in += inner * photon.flux[1]
+            b_in += inner * photon.flux[2]
     norm = 2.0 / (math.pi * radius * radius)
     return scale((r, g, b), norm), scale((r_in, g_in, b_in), 2.0 * norm), found

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..jit import Table, kernel
 from .cells import bucket_of, cell_key
+from .rows import REPEATED
 from .trace import PHOTON, Walk
 
 
@@ -17,14 +18,16 @@ class PhotonMap(NamedTuple):
     """One pass's photons of one kind.
 
     photons (N,) ``PHOTON`` in bucket order; places (N, 3) f4 their positions once more, for
-    the search; keys (N,) i8 the cell of each; start (B+1,) i4 first photon of each bucket, B
-    a power of two; cell: edge [m].
+    the search; keys (N,) i8 the cell of each; start (B + R + 1,) i4 first photon of each of B
+    = ``buckets`` (a power of two) and of the first R = ``REPEATED``, which with their photons
+    stand a second time behind the last; cell: edge [m].
     """
 
     photons: NDArray[np.void]
     places: NDArray[np.float32]
     keys: NDArray[np.int64]
     start: NDArray[np.int32]
+    buckets: int
     cell: float
 
 
@@ -51,16 +54,20 @@ def build_photon_map(walks: list[Walk], cell: float) -> PhotonMap:
     # More buckets than photons: a disc's cells then share few with those of other rows.
     buckets = 4 << max(4, math.ceil(math.log2(max(1, len(photons)))))
     first = np.argsort(order, kind="stable")
-    sorted_photons = np.zeros(len(photons), PHOTON)
-    keys = np.zeros(len(photons), np.int64)
     start = np.zeros(buckets + 1, np.int32)
     bucket = np.zeros(len(photons), np.int32)
     own = np.zeros(len(photons), np.int64)
     find_cells(photons, first, cell, own, bucket, start)
+    again = int(start[REPEATED])
+    sorted_photons = np.zeros(len(photons) + again, PHOTON)
+    keys = np.zeros(len(sorted_photons), np.int64)
     place = start[:-1].copy()
     sort_into_cells(photons, first, own, bucket, place, sorted_photons, keys)
+    for column in (sorted_photons, keys):
+        column[len(photons) :] = column[:again]
+    start = np.concatenate([start, start[-1] + start[1 : REPEATED + 1]])
     places = np.ascontiguousarray(sorted_photons["position"])
-    return PhotonMap(sorted_photons, places, keys, start, cell)
+    return PhotonMap(sorted_photons, places, keys, start, buckets, cell)
 
 
 @kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from ..geometry.vector import Vector
-from ..jit import Row, Table, kernel
+from ..jit import Row, kernel
 from .cells import bucket_of, cell_key, row_of
 
 #: Photons count when they lie within this part of the radius of the disc's plane.
@@ -18,6 +18,8 @@ MOST_HEIGHT = 0.3
 CELL = 1.0
 #: A radius covers at most this many cells to each side of its own.
 MOST_CELLS = 6
+#: Buckets that stand a second time behind the last one, for rows that go on at the first.
+REPEATED = 2 * MOST_CELLS + 2
 
 
 @kernel
@@ -28,27 +30,36 @@ def largest_radius(cell: float) -> float:
 
 @kernel
 def rows_near(cell: float, p: Vector, ng: Vector, radius: float) -> tuple[int, int, int, int]:
-    """First and last row in y and in z that the disc about ``p``, with its height, meets."""
+    """Rows that the disc about ``p``, with its height, meets.
+
+    Returns the first in y and in z, how many there are in y, and how many there are.
+    """
     high = MOST_HEIGHT * radius
     reach_y = radius * math.sqrt(max(0.0, 1.0 - ng[1] * ng[1])) + high * abs(ng[1])
     reach_z = radius * math.sqrt(max(0.0, 1.0 - ng[2] * ng[2])) + high * abs(ng[2])
-    return (
-        int(math.floor((p[1] - reach_y) / cell)),
-        int(math.floor((p[1] + reach_y) / cell)),
-        int(math.floor((p[2] - reach_z) / cell)),
-        int(math.floor((p[2] + reach_z) / cell)),
-    )
+    y = int(math.floor((p[1] - reach_y) / cell))
+    z = int(math.floor((p[2] - reach_z) / cell))
+    wide = int(math.floor((p[1] + reach_y) / cell)) - y + 1
+    deep = int(math.floor((p[2] + reach_z) / cell)) - z + 1
+    return y, z, wide, wide * deep
 
 
 @kernel
-def cells_near(
-    photon_map: Row, y: int, z: int, p: Vector, ng: Vector, radius: float
+def photons_near(
+    photon_map: Row,
+    rows: tuple[int, int, int, int],
+    k: int,
+    p: Vector,
+    ng: Vector,
+    radius: float,
 ) -> tuple[int, int, int]:
-    """Cells of a row that may hold photons of the disc: (bucket of the first, count, row).
+    """Photons of row ``k`` of ``rows_near`` that may lie in the disc: (first, last + 1, row).
 
-    Photons of other rows may lie there too; ``keys`` tells them apart by ``row_of``.
+    Photons of other rows may be among them; ``row_of`` their keys tells them apart.
     """
     cell = photon_map.cell
+    y = rows[0] + k % rows[2]
+    z = rows[1] + k // rows[2]
     high = MOST_HEIGHT * radius
     y0 = y * cell - p[1]
     z0 = z * cell - p[2]
@@ -77,16 +88,5 @@ def cells_near(
     x0 = int(math.floor((p[0] + first) / cell))
     x1 = int(math.floor((p[0] + last) / cell))
     key = cell_key(x0, y, z)
-    return bucket_of(key, len(photon_map.start) - 1), x1 - x0 + 1, row_of(key)
-
-
-@kernel
-def photons_in(start: Table, bucket: int, count: int, part: int) -> tuple[int, int]:
-    """Photons (first, last + 1) of ``count`` buckets, in two parts: the table's end and begin.
-
-    Part 1 is empty but where the buckets reach beyond the end.
-    """
-    buckets = len(start) - 1
-    if part == 0:
-        return start[bucket], start[min(bucket + count, buckets)]
-    return 0, start[max(bucket + count - buckets, 0)]
+    bucket = bucket_of(key, photon_map.buckets)
+    return photon_map.start[bucket], photon_map.start[bucket + x1 - x0 + 1], row_of(key)

@@ -24,7 +24,7 @@ from .cells import row_of
 from .emit import PHOTON_PATH, emit_photons
 from .gather import disc_weight, facing
 from .photon_map import PhotonMap, build_photon_map
-from .rows import CELL, cells_near, largest_radius, photons_in, rows_near
+from .rows import CELL, largest_radius, photons_near, rows_near
 from .trace import PHOTON, Walk
 
 if TYPE_CHECKING:
@@ -156,28 +156,23 @@ def count_photons(shadows: Row, entry: int, p: Row, ng: Row) -> tuple[int, int]:
     photon_map = shadows.photons
     radius = min(shadows.radius, largest_radius(photon_map.cell))
     inverse = 1.0 / (radius * radius)
-    first_y, last_y, first_z, last_z = rows_near(photon_map.cell, p, ng, radius)
+    rows = rows_near(photon_map.cell, p, ng, radius)
     direct = 0
     shadow = 0
-    for z in range(first_z, last_z + 1):
-        for y in range(first_y, last_y + 1):
-            bucket, count, row = cells_near(photon_map, y, z, p, ng, radius)
-            if count == 0:
+    for j in range(rows[3]):
+        first, last, row = photons_near(photon_map, rows, j, p, ng, radius)
+        for k in range(first, last):
+            photon = photon_map.photons[k]
+            if photon.part // 2 != entry or row_of(photon_map.keys[k]) != row:
                 continue
-            for part in range(2):
-                first, last = photons_in(photon_map.start, bucket, count, part)
-                for k in range(first, last):
-                    photon = photon_map.photons[k]
-                    if photon.part // 2 != entry or row_of(photon_map.keys[k]) != row:
-                        continue
-                    if disc_weight(photon_map.places, k, p, ng, radius, inverse) <= 0.0:
-                        continue
-                    if facing(photon, ng, False) == 0.0:
-                        continue
-                    if photon.part % 2:
-                        shadow += 1
-                    else:
-                        direct += 1
+            if disc_weight(photon_map.places, k, p, ng, radius, inverse) <= 0.0:
+                continue
+            if facing(photon, ng, False) == 0.0:
+                continue
+            if photon.part % 2:
+                shadow += 1
+            else:
+                direct += 1
     return direct, shadow
 
 
