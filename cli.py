@@ -29,6 +29,7 @@ from .arguments import (
     warn,
 )
 from .core.file_replace import replacing
+from .core.film.layers import DENSITY_LAYER
 from .core.report import ErrorCurve, render_report
 from .core.scene.dump import save_scene
 from .core.settings import Settings
@@ -247,7 +248,8 @@ def _render_to(
             result = source.render(on_update, parts.get(".png"), _details)
         if ".exr" in parts:
             film = result.update.film
-            layers = {layer: film.resolve(layer) for layer in film.LAYERS}
+            asked = [DENSITY_LAYER] if DENSITY_LAYER in result.settings.first_hit else []
+            layers = {layer: film.resolve(layer) for layer in (*film.LAYERS, *asked)}
             write_exr(parts[".exr"], layers, _details(result.update), _frame(result))
         if report is not None:
             data = render_report(result.update, result.scene, result.settings, curve.points)

@@ -10,7 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 #: Channel names of a layer by its channel count; a layer not named here is a colour.
-_CHANNELS = {"combined": "RGBA", "depth": "Z", "normal": "XYZ", "error": "V"}
+_CHANNELS = {
+    "combined": "RGBA",
+    "depth": "Z",
+    "normal": "XYZ",
+    "error": "V",
+    "photon_density": "V",
+}
 
 #: Chromaticities (x, y) of red, green, blue and white of Rec. 709, Blender's linear space.
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -34,9 +40,10 @@ def write_exr(
     """Write ``layers`` (h, w, c), row 0 at the bottom, as float32 scene-linear channels.
 
     ``combined`` becomes R G B A (premultiplied), ``depth`` ``depth.Z``, ``error``
-    ``error.V``, ``normal`` ``normal.X/.Y/.Z``, every other layer ``<layer>.R/.G/.B``.
-    ``metadata`` becomes string attributes. ``frame`` says where in a larger image the
-    layers lie: they become the data window, and the larger image the display window.
+    ``error.V``, ``photon_density`` ``photon_density.V``, ``normal`` ``normal.X/.Y/.Z``, every
+    other layer ``<layer>.R/.G/.B``. ``metadata`` becomes string attributes. ``frame`` says
+    where in a larger image the layers lie: they become the data window, and the larger image
+    the display window.
     Raises ``OSError`` when the file cannot be written.
     """
     import OpenEXR

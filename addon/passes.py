@@ -77,6 +77,10 @@ PASSES: tuple[RenderPass, ...] = (
     RenderPass("seen_emission", "Emission", "Emit", "RGB", "COLOR", "use_pass_emit"),
     RenderPass("environment", "Environment", "Env", "RGB", "COLOR", "use_pass_environment"),
     RenderPass("caustics", "Caustics", "Caustics", "RGB", "COLOR", "pm.use_pass_caustics"),
+    RenderPass(
+        "photon_density", "Photon Density", "Photon Density", "X", "VALUE",
+        "pm.use_pass_photon_density",
+    ),
     RenderPass("error", "Error", "Error", "X", "VALUE", "pm.use_pass_error"),
     RenderPass(
         "combined", "Noisy Image", "Noisy Image", "RGBA", "COLOR", "pm.use_pass_denoising"

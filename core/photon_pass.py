@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera_pass.chunk import PhotonMaps, Region
+from .camera_pass.density import DensityMaps
+from .film.layers import DENSITY_LAYER
 from .photons.photon_map import build_photon_map
 from .photons.radius import GLOBAL_ALPHA, radius_factor
 from .photons.rows import CELL
@@ -121,9 +123,12 @@ def photon_maps(
     caustic = [w for b, w in zip(batches, walks, strict=True) if b.caustic]
     global_ = [w for b, w in zip(batches, walks, strict=True) if not b.caustic]
     footprints, least, most, cell = (factor * r for r in radii.caustic)
+    caustic_map = build_photon_map(caustic, cell) if caustic else None
+    global_map = build_photon_map(global_, CELL * global_radius) if global_ else None
+    counts = DENSITY_LAYER in settings.first_hit
     return PhotonMaps(
-        caustic=build_photon_map(caustic, cell) if caustic else None,
-        global_=build_photon_map(global_, CELL * global_radius) if global_ else None,
+        caustic=caustic_map,
+        global_=global_map,
         caustic_radii=(footprints, least, most),
         global_radius=global_radius,
         caustic_borders=radii.caustic_borders,
@@ -133,4 +138,5 @@ def photon_maps(
         rays=sum(w.rays for w in walks),
         shadows=radii.shadows,
         crowd=radii.crowd_of(sum(b.count for b in batches if b.caustic)),
+        counted=DensityMaps.of(caustic_map, global_map) if counts else None,
     )

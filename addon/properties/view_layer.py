@@ -29,6 +29,15 @@ class PhotonMapViewLayerProperties(bpy.types.PropertyGroup):
         default=False,
         update=_passes_changed,
     )
+    use_pass_photon_density: BoolProperty(  # type: ignore[valid-type]
+        name="Photon Density",
+        description=(
+            "Photons per square metre that a pass stores around what the camera sees, also "
+            "through glass and by mirrors: where it is low, light is guessed from few photons"
+        ),
+        default=False,
+        update=_passes_changed,
+    )
     use_pass_error: BoolProperty(  # type: ignore[valid-type]
         name="Error",
         description=(

@@ -12,22 +12,22 @@ from ..bsdf.dispatch import NARROW
 from ..bsdf.hit import HIT
 from ..film.film import SAMPLE
 from ..film.first_hits import FIRST_HIT
-from ..film.layers import END_LAYERS
+from ..film.layers import DENSITY_LAYER, END_LAYERS
 from ..photons.coverage import BorderGrid
 from ..photons.photon_map import Crowd, PhotonMap
-from ..photons.shadow import ASK, LIT, ShadowMap, decide
+from ..photons.shadow import ShadowMap
 from ..photons.sight import SIGHT
 from ..prepared import Prepared
 from ..scene.camera_data import CameraData
 from ..settings import Settings
 from .caustics import gather_caustics
-from .direct import add_direct, sample_direct
+from .density import DensityMaps, count_photons
 from .first_hit import step_first_hits
 from .indirect import gather_indirect, gather_order, start_gather
-from .kinds import KindLight, directions_to_lights, sum_rays
+from .kinds import KindLight, sum_rays
+from .next_event import light_directly
 from .paths import start_paths, step_paths
 from .records import PATH, VERTEX
-from .shadow import free_part
 
 
 class Region(NamedTuple):
@@ -53,6 +53,7 @@ class PhotonMaps(NamedTuple):
     The borders are those of the surfaces, for discs near them; ``shadows``: what spares shadow
     rays, None when they are all traced; ``crowd``: where discs of caustics are smaller.
     ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m].
+    ``counted``: the maps to ask how many photons there are, None when no layer tells it.
     """
 
     caustic: PhotonMap | None
@@ -66,6 +67,7 @@ class PhotonMaps(NamedTuple):
     rays: int
     shadows: ShadowMap | None = None
     crowd: Crowd | None = None
+    counted: DensityMaps | None = None
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,7 @@ def trace_chunk(
     rays = Rays(prepared, pixels.count)
     kinds = KindLight(pixels.count) if settings.light_kinds else None
     lit = trace_camera(prepared, settings, region, i, pixels, rays, samples, kinds)
-    rays.traced += _light_directly(prepared, settings, i, lit, maps.shadows, samples, kinds)
+    rays.traced += light_directly(prepared, settings, i, lit, maps.shadows, samples, kinds)
     ends = wide_only(lit)
     gathered = 0
     if len(ends.vertices):
@@ -134,6 +136,8 @@ def trace_chunk(
     if prepared.first_hits is not None:
         first_hits, traced = trace_first_hits(prepared, settings, region, i, pixels)
         rays.traced += traced
+        if maps.counted is not None:
+            count_photons(prepared, maps, maps.counted, ends.vertices, first_hits)
     by_kind = kinds.finished(samples) if kinds else None
     return Chunk(pixels, samples, rays.traced, gathered, first_hits, by_kind)
 
@@ -198,6 +202,8 @@ def trace_first_hits(
 ) -> tuple[NDArray[np.void], int]:
     """What the camera paths of pass ``i`` meet at once: (``FIRST_HIT`` rows, rays)."""
     rows = np.zeros(pixels.count, FIRST_HIT)
+    if settings.first_hit == (DENSITY_LAYER,):
+        return rows, 0
     rays = Rays(prepared, pixels.count)
     start_paths(
         prepared.camera, prepared.camera_media, region.x0, region.y0, region.width,
@@ -301,44 +307,3 @@ def _follow(
     if len(parts) == 1:
         return Lit(parts[0], lobes)
     return Lit(np.concatenate(parts) if parts else np.zeros(0, VERTEX), lobes)
-
-
-def _light_directly(
-    prepared: Prepared,
-    settings: Settings,
-    i: int,
-    lit: Lit,
-    shadows: ShadowMap | None,
-    samples: NDArray[np.void],
-    kinds: KindLight | None,
-) -> int:
-    """Next-event estimation at the vertices; the number of shadow rays."""
-    count = len(lit.vertices)
-    if count == 0:
-        return 0
-    origins = np.zeros((count, 3), np.float32)
-    directions = np.zeros((count, 3), np.float32)
-    lengths = np.zeros(count, np.float32)
-    slots, asking, entries = np.zeros((3, count), np.int32)
-    radiance = np.zeros((count, 3))
-    asked: int = sample_direct(
-        i, settings.rays_each, prepared.mesh, prepared.materials, lit.lobes,
-        prepared.shading, prepared.lights, lit.vertices, count, origins, directions,
-        lengths, slots, radiance, asking, entries,
-    )  # fmt: skip
-    rays = origins[:asked], directions[:asked], lengths[:asked]
-    if shadows is None:
-        free, traced = free_part(prepared, prepared.lobe_room(0), *rays)
-    else:
-        verdicts = np.zeros(asked, np.int32)
-        decide(shadows, lit.vertices, asking, entries, directions, asked, verdicts)
-        free = np.repeat((verdicts == LIT)[:, None].astype(np.float64), 3, axis=1)
-        left = verdicts == ASK
-        rest = (np.ascontiguousarray(column[left]) for column in rays)
-        free[left], traced = free_part(prepared, prepared.lobe_room(0), *rest)
-    add_direct(free, slots, radiance, asked, samples)
-    if kinds:
-        asking = asking[:asked]
-        wi = directions_to_lights(lit, asking, *rays)
-        kinds.add(lit, asking, wi, radiance[:asked] * free, False)
-    return traced

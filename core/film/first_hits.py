@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .layers import END_LAYERS, MATTE_LAYERS, MEAN_LAYERS, SINGLE_LAYERS
+from .layers import DENSITY_LAYER, END_LAYERS, MATTE_LAYERS, MEAN_LAYERS, SINGLE_LAYERS
 from .mattes import add_mattes, ranked
 
 #: Distance of a pixel that sees nothing [m].
@@ -18,13 +18,15 @@ MOST_MATTES = 4
 _WIDTHS = {**MEAN_LAYERS, **SINGLE_LAYERS}
 #: What one path adds, all float64. ``found``: 1 where ``SINGLE_LAYERS`` are known; ``ended``:
 #: 1 where ``END_LAYERS`` are. ``mist``: what mist leaves to see. ``emission`` and ``direct``
-#: take the light of lamps and faces on the way (``camera_pass.seen``).
+#: take the light of lamps and faces on the way (``camera_pass.seen``). ``photon_density`` is a
+#: sum over ``gathered`` places.
 FIRST_HIT = np.dtype(
     [(name, "f8", (3,) if width == 3 else ()) for name, width in _WIDTHS.items()]
     + [("end_normal", "f8", 3), ("end_depth", "f8"), ("end_albedo", "f8", 3)]
     + [("found", "f8"), ("ended", "f8")]
     + [("emission", "f8", 3), ("direct", "f8", 3), ("matte_count", "f8")]
-    + [(name, "f8", MOST_MATTES) for name in (*MATTE_LAYERS, "matte_weight")],
+    + [(name, "f8", MOST_MATTES) for name in (*MATTE_LAYERS, "matte_weight")]
+    + [(DENSITY_LAYER, "f8"), ("gathered", "f8")],
     align=True,
 )
 
@@ -46,10 +48,11 @@ class FirstHits:
             for name, width in SINGLE_LAYERS.items()
             if name in layers
         }
-        summed = {**MEAN_LAYERS, **END_LAYERS}
+        summed = {**MEAN_LAYERS, **END_LAYERS, DENSITY_LAYER: 1}
         self._sum = {
             name: np.zeros((count, width)) for name, width in summed.items() if name in layers
         }
+        self._gathered = np.zeros(count if DENSITY_LAYER in layers else 0)
         self._mattes = {
             name: (np.zeros((count, ranks), np.float32), np.zeros((count, ranks)))
             for name in MATTE_LAYERS
@@ -60,6 +63,7 @@ class FirstHits:
     def nbytes(self) -> int:
         """Memory [bytes]."""
         parts: list[NDArray[Any]] = [self._count, self._ended, self._single_pass]
+        parts.append(self._gathered)
         parts += [*self._single.values(), *self._sum.values()]
         parts += [array for pair in self._mattes.values() for array in pair]
         return sum(part.nbytes for part in parts)
@@ -79,6 +83,8 @@ class FirstHits:
         self._ended[part] += rows["ended"] > 0
         for name, total in self._sum.items():
             total[part] += rows[name].reshape(len(rows), -1)
+        if DENSITY_LAYER in self.layers:
+            self._gathered[part] += rows["gathered"]
         first = self._single_pass[part] > i
         self._single_pass[part][first] = i
         known = rows["found"] > 0
@@ -98,6 +104,7 @@ class FirstHits:
             raise ValueError(f"layers {self.layers} and {other.layers} cannot be merged")
         self._count += other._count
         self._ended += other._ended
+        self._gathered += other._gathered
         for name, total in self._sum.items():
             total += other._sum[name]
         earlier = other._single_pass < self._single_pass
@@ -116,6 +123,8 @@ class FirstHits:
         if layer in self._mattes:
             return ranked(*self._mattes[layer], self._count)
         total = self._sum[layer]
+        if layer == DENSITY_LAYER:
+            return total / np.maximum(self._gathered, 1)[:, None]
         if layer in ("end_normal", "end_depth"):
             return total / np.maximum(self._ended, 1)[:, None]
         mean = total / np.maximum(self._count, 1)[:, None]

@@ -31,4 +31,9 @@ MEAN_LAYERS = {
 END_LAYERS = {"end_normal": 3, "end_depth": 1, "end_albedo": 3}
 #: ... and which names share a pixel, by their hashes and coverages, two channels a name.
 MATTE_LAYERS = ("matte_object", "matte_material", "matte_asset")
-FIRST_HIT_LAYERS = (*SINGLE_LAYERS, *MEAN_LAYERS, *END_LAYERS, *MATTE_LAYERS)
+#: Photons that a pass stores around a place [1/m^2], of both maps, where the camera's path
+#: asks for them: at the first surface that is no mirror and no clear glass.
+DENSITY_LAYER = "photon_density"
+FIRST_HIT_LAYERS = (
+    *SINGLE_LAYERS, *MEAN_LAYERS, *END_LAYERS, *MATTE_LAYERS, DENSITY_LAYER,
+)  # fmt: skip

@@ -43,6 +43,7 @@ class FakeFilm:
             "end_normal": self.flat(0.0, 0.0, -1.0),
             "end_depth": self.flat(8.0),
             "error": self.flat(0.01),
+            "photon_density": self.flat(4000.0),
             "combined": np.concatenate([direct + 0.875, self.flat(1.0)], axis=2),
         }
         for layer in ("seen_emission", "caustics", "transmission_indirect"):

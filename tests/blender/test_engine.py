@@ -29,6 +29,7 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
         setattr(layer, f"use_pass_{toggle}", True)
     layer.photon_map.use_pass_denoising = True
     layer.photon_map.use_pass_error = True
+    layer.photon_map.use_pass_photon_density = True
     save_exr(bpy, tmp_path / "a.exr")
     headless_render(bpy)
     new = bpy.app.version >= (5, 0, 0)
@@ -50,9 +51,11 @@ def test_every_pass_has_its_layer(bpy: Any, core: Any, tmp_path: Path) -> None:
             "Denoising Normal",
             "Denoising Depth",
             "Error",
+            "Photon Density",
         )
     } | {f"ViewLayer.{name}" for name in names.values()}
     assert image["ViewLayer.Depth"].shape == (30, 40, 1)
+    assert (image["ViewLayer.Photon Density"] == 4000.0).all()
     assert (image["ViewLayer.Depth"] == 7.0).all()
     assert image["ViewLayer.Normal"][3, 4] == pytest.approx([0.0, 0.6, 0.8])
     assert image["ViewLayer.Denoising Albedo"][3, 4] == pytest.approx([0.1, 0.2, 0.3])
