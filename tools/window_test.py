@@ -126,9 +126,12 @@ def judge(found: dict[str, Any]) -> None:
 def tell(found: dict[str, Any]) -> None:
     """Print what was found."""
     for name, values in found.items():
-        if name not in ("version", "latency"):
+        if name not in ("version", "latency", "load"):
             print(f"  {name}: " + ", ".join(f"{k} {v:.3g}" for k, v in values.items()))
-    print(f"  seconds to the first picture ({ASKED_LATENCY} are asked for after an edit):")
+    print(
+        f"  seconds to the first picture ({ASKED_LATENCY} are asked for after an edit), at a load"
+        f" of {found['load']:.1f}:"
+    )
     for name, values in found["latency"].items():
         print(f"    {name}: " + ", ".join(f"{what} {s:.2f}" for what, s in values.items()))
 
