@@ -53,8 +53,9 @@ def add_objects(
             add_light(builder, obj, matrix, log)
             warn_linking(obj, log)
         elif obj.type == "MESH":
-            warn_object(obj, depsgraph.view_layer, log)
-            seen_by = object_visibility(obj, depsgraph.view_layer)
+            warn_object(obj, log)
+            parent = instance.parent if instance.is_instance else None
+            seen_by = object_visibility(obj, depsgraph.view_layer, parent)
             arrays, own = meshes.get(obj, bool(instance.is_instance))
             if arrays is not None and len(arrays.faces):
                 _add_mesh(builder, obj, arrays, own, matrix, seen_by, materials, log)

@@ -11,15 +11,11 @@ from numpy.typing import NDArray
 from ..report import ExportLog
 
 
-def warn_object(obj: Any, layer: Any, log: ExportLog) -> None:
-    """Say which switches of the object ``obj`` with faces have no effect.
-
-    ``layer``: the original view layer, whose collections have switches too.
-    """
+def warn_object(obj: Any, log: ExportLog) -> None:
+    """Say which switches of the object ``obj`` with faces have no effect."""
     name = f"object '{obj.name}'"
-    own = obj.original
-    if obj.is_holdout or obj.is_shadow_catcher or own.holdout_get(view_layer=layer):
-        log.warn_group("holdouts and shadow catchers are rendered as usual", name)
+    if obj.is_shadow_catcher:
+        log.warn_group("shadow catchers are rendered as usual", name)
     if any(system.settings.render_type == "PATH" for system in obj.particle_systems):
         log.warn_group("hair is left out", name)
     warn_linking(obj, log)

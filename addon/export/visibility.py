@@ -1,4 +1,7 @@
-"""Which rays see an object: its own switches, those of its collections, and its caustics."""
+"""Which rays see an object: its own switches, those of its collections, and its caustics.
+
+Also whether the camera sees a hole in its place.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +18,13 @@ _SWITCHES = {
 }
 
 
-def object_visibility(obj: Any, layer: Any = None) -> Visibility:
+def object_visibility(obj: Any, layer: Any = None, parent: Any = None) -> Visibility:
     """The rays that see ``obj``, a surface or the shape of a lamp.
 
     ``layer``: the original view layer; a collection that is "indirect only" there hides
-    what it holds from the camera.
+    what it holds from the camera, one that is held out cuts a hole there, as the object's
+    own switch does. ``parent``: the object that shows ``obj`` as an instance; it is that
+    one's holdout which counts.
     """
     seen = Visibility(0)
     for name, bit in _SWITCHES.items():
@@ -27,6 +32,8 @@ def object_visibility(obj: Any, layer: Any = None) -> Visibility:
             seen |= bit
     if layer is not None and obj.original.indirect_only_get(view_layer=layer):
         seen &= ~Visibility.CAMERA
+    if layer is not None and (parent or obj).original.holdout_get(view_layer=layer):
+        seen |= Visibility.HOLDOUT
     own = obj.original.photon_map
     if not own.casts_caustics:
         seen |= Visibility.CASTS_NONE

@@ -56,7 +56,7 @@ class PHOTONMAP_OBJECT_PT_light_group(ObjectPanel, bpy.types.Panel):
 
 
 class PHOTONMAP_OBJECT_PT_visibility(ObjectPanel, bpy.types.Panel):
-    """As Cycles has it, without the masks, which are not honoured."""
+    """As Cycles has it."""
 
     bl_label = "Visibility"
     bl_options = {"DEFAULT_CLOSED"}
@@ -93,9 +93,24 @@ class PHOTONMAP_OBJECT_PT_ray_visibility(ObjectPanel, bpy.types.Panel):
             column.prop(obj, "visible_shadow", text="Shadow")
 
 
+class PHOTONMAP_OBJECT_PT_mask(ObjectPanel, bpy.types.Panel):
+    """The mask that is honoured; shadow catchers are not."""
+
+    bl_label = "Mask"
+    bl_parent_id = "PHOTONMAP_OBJECT_PT_visibility"
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        return bool(super().poll(context)) and context.object.type in SURFACES
+
+    def draw(self, context: Any) -> None:
+        self.column().prop(context.object, "is_holdout")
+
+
 PANELS = (
     PHOTONMAP_OBJECT_PT_caustics,
     PHOTONMAP_OBJECT_PT_light_group,
     PHOTONMAP_OBJECT_PT_visibility,
     PHOTONMAP_OBJECT_PT_ray_visibility,
+    PHOTONMAP_OBJECT_PT_mask,
 )

@@ -24,7 +24,16 @@ from ..lights.dispatch import FAR, visibility_of
 from ..lights.world import world_radiance
 from ..scene.tables import Visibility
 from ..textures.sampling import uv_at
-from .paths import MOST_STEPS, absorb, carries, choices, go_on, go_straight, is_clipped
+from .paths import (
+    MOST_STEPS,
+    absorb,
+    carries,
+    choices,
+    go_on,
+    go_straight,
+    is_clipped,
+    is_held_out,
+)
 from .records import CHAIN, CHAIN_STEP
 from .seen import add, see_faces, see_lamps
 
@@ -244,15 +253,16 @@ def step_first_hits(
         absorb(materials, path, hit.way)
         visible = (mesh.visible[hit.face] & path.event) != 0
         straight = goes_through(materials, path, hit, visible)
+        held = not straight and is_held_out(path, hit, mesh)
         if not straight:
-            if first:
+            if first and not held:
                 see_faces(path, row, lights, False, mesh, materials, shading, hit)
             shade(hit, path, mesh, materials, lobes, shading, spare)
             passing = (0.0, 0.0, 0.0)
             if materials[hit.row].passes:
                 passing = pass_weight(path, lobes)
             opacity = 1.0 - (passing[0] + passing[1] + passing[2]) / 3.0
-            if first:
+            if first and not held:
                 _show(row, path, hit, materials, lobes, shading, camera, tables, opacity)
                 if deep and max(passing) > 0.0 and opacity >= _OPAQUE:
                     _end(row, path, hit, materials, lobes, shading, camera)
@@ -262,8 +272,12 @@ def step_first_hits(
                 go_straight(paths, k, hit, origins, directions, alive)
                 alive += 1
             continue
-        if not deep or not _continue_chain(
-            materials, lobes, path, row, hit, shading, camera, i, most_depth, min_throughput
+        if (
+            held
+            or not deep
+            or not _continue_chain(
+                materials, lobes, path, row, hit, shading, camera, i, most_depth, min_throughput
+            )
         ):
             continue
         store(origins[alive], vector(path.origin))

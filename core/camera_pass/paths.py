@@ -29,6 +29,7 @@ from .records import (
 from .seen import add, see_faces, see_lamps, see_world
 
 _CAMERA_BIT = int(Visibility.CAMERA)
+_HOLDOUT = int(Visibility.HOLDOUT)
 #: Surfaces that a path may meet, those it goes straight through included.
 MOST_STEPS = 4096
 
@@ -109,6 +110,13 @@ def go_straight(
 def is_clipped(path: Row, hit: Row) -> bool:
     """Whether a camera ray's hit lies farther than it may see."""
     return path.event == _CAMERA_BIT and path.since + hit.way > path.reach
+
+
+@kernel
+def is_held_out(path: Row, hit: Row, mesh: Row) -> bool:
+    """Whether a hit cuts a hole into the picture: the camera sees it, and neither it nor
+    what it hides. Mirrors, shadows and photons know nothing of it (as in Cycles)."""
+    return path.event == _CAMERA_BIT and mesh.visible[hit.face] & _HOLDOUT != 0
 
 
 @kernel
@@ -211,7 +219,8 @@ def _arrive(
     visible = (mesh.visible[hit.face] & path.event) != 0
     if goes_through(materials, path, hit, visible):
         return True
-    see_faces(path, sample, lights, gather, mesh, materials, shading, hit)
+    if not is_held_out(path, hit, mesh):
+        see_faces(path, sample, lights, gather, mesh, materials, shading, hit)
     shade(hit, path, mesh, materials, lobes, shading, spare)
     if not materials[hit.row].passes:
         return False
@@ -274,6 +283,8 @@ def step_paths(
             if path.steps < MOST_STEPS and carries(path, min_throughput):
                 go_straight(paths, k, hit, origins, directions, alive)
                 alive += 1
+            continue
+        if is_held_out(path, hit, mesh):
             continue
         if path.event == _CAMERA_BIT:
             _first_hit(sample, camera, hit)

@@ -101,7 +101,8 @@ class LightKind(IntEnum):
 class Visibility(IntFlag):
     """Which rays see an object, or the shape of a lamp (a lamp never blocks a ray).
 
-    The last two are no rays: an object that casts no caustics, and one that shows none.
+    The last three are no rays: an object that casts no caustics, one that shows none, and
+    one that cuts a hole into what the camera sees.
     """
 
     CAMERA = 1
@@ -112,6 +113,7 @@ class Visibility(IntFlag):
     ALL = 31
     CASTS_NONE = 32
     SHOWS_NONE = 64
+    HOLDOUT = 128
 
 
 #: One scattering lobe. ``weight`` is its albedo per channel, mix factors included; ``ior``

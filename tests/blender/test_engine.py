@@ -264,10 +264,10 @@ def test_warnings_are_shown(bpy: Any, core: Any, capfd: Any) -> None:
     core.warnings = ("scene 'Scene' has no light",)
     bpy.data.objects.new("x", None)
     cube = add_cube(bpy, "Cube")
-    cube.is_holdout = True
+    cube.is_shadow_catcher = True
     bpy.ops.render.render()
     out = "".join(capfd.readouterr())
-    assert out.count("holdouts and shadow catchers") == 1
+    assert out.count("shadow catchers are rendered") == 1
     assert out.count("has no light") == 1
 
 

@@ -149,11 +149,11 @@ def test_what_cannot_be_rendered_is_named_once(bpy: Any) -> None:
     add_camera(bpy)
     volume = bpy.data.volumes.new("Smoke")
     link(bpy, bpy.data.objects.new("Smoke", volume))
-    add_cube(bpy, "Holdout").is_holdout = True
+    add_cube(bpy, "Catcher").is_shadow_catcher = True
     warnings = export(bpy).warnings
     assert len(warnings) == 2
     assert "object 'Smoke' is left out: volume is not supported yet" in warnings
-    assert any("holdouts" in text and "'Holdout'" in text for text in warnings)
+    assert any("shadow catchers" in text and "'Catcher'" in text for text in warnings)
 
 
 def test_rays_that_do_not_see_an_object(bpy: Any) -> None:

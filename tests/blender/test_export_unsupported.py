@@ -50,17 +50,6 @@ def test_switches_of_the_scene_and_its_view_layer(bpy: Any) -> None:
     assert "leaves out Environment is" in text
 
 
-def test_a_collection_that_is_held_out(bpy: Any) -> None:
-    add_camera(bpy)
-    group = bpy.data.collections.new("Group")
-    bpy.context.scene.collection.children.link(group)
-    cube = add_cube(bpy, "Cube")
-    bpy.context.scene.collection.objects.unlink(cube)
-    group.objects.link(cube)
-    bpy.context.view_layer.layer_collection.children["Group"].holdout = True
-    assert "holdouts" in warnings(bpy)
-
-
 def test_light_linking(bpy: Any) -> None:
     add_camera(bpy)
     lamp = add_light(bpy, "POINT", "Lamp")
