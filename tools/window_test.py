@@ -88,7 +88,7 @@ def drive(blender: Blender, display: str, folder: Path) -> dict[str, Any]:
         "samples": [str(copy) for copy in copies],
     }
     (folder / "job.json").write_text(json.dumps(job))
-    for script in ("window_steps.py", "escape.py", "xwd.py"):
+    for script in ("window_steps.py", "screenshots.py", "escape.py", "xwd.py"):
         shutil.copy(ROOT / "tools" / script, folder)
     done = subprocess.run(
         [blender.command, "--offline-mode", "--window-geometry", "0",
@@ -128,10 +128,8 @@ def tell(found: dict[str, Any]) -> None:
     for name, values in found.items():
         if name not in ("version", "latency", "load"):
             print(f"  {name}: " + ", ".join(f"{k} {v:.3g}" for k, v in values.items()))
-    print(
-        f"  seconds to the first picture ({ASKED_LATENCY} are asked for after an edit), at a load"
-        f" of {found['load']:.1f}:"
-    )
+    asked = f"{ASKED_LATENCY} are asked for after an edit"
+    print(f"  seconds to the first picture ({asked}), at a load of {found['load']:.1f}:")
     for name, values in found["latency"].items():
         print(f"    {name}: " + ", ".join(f"{what} {s:.2f}" for what, s in values.items()))
 

@@ -33,6 +33,7 @@ from .paths import (
     go_straight,
     is_clipped,
     is_held_out,
+    is_visible,
 )
 from .records import CHAIN, CHAIN_STEP
 from .seen import add, see_faces, see_lamps
@@ -192,6 +193,12 @@ def _continue_chain(
 
 
 @kernel
+def _passing(materials: Table, path: Row, hit: Row, lobes: Table) -> Vector:
+    """What the surface that a path is on lets pass straight."""
+    return pass_weight(path, lobes) if materials[hit.row].passes else (0.0, 0.0, 0.0)
+
+
+@kernel
 def _goes_straight(path: Row, passing: Vector, opacity: float) -> bool:
     """Whether the path is followed through a transparent surface; dims it."""
     if path.event != _CAMERA_BIT:
@@ -251,16 +258,13 @@ def step_first_hits(
         path.length += hit.way
         path.since += hit.way
         absorb(materials, path, hit.way)
-        visible = (mesh.visible[hit.face] & path.event) != 0
-        straight = goes_through(materials, path, hit, visible)
+        straight = goes_through(materials, path, hit, is_visible(path, hit, mesh))
         held = not straight and is_held_out(path, hit, mesh)
         if not straight:
             if first and not held:
                 see_faces(path, row, lights, False, mesh, materials, shading, hit)
             shade(hit, path, mesh, materials, lobes, shading, spare)
-            passing = (0.0, 0.0, 0.0)
-            if materials[hit.row].passes:
-                passing = pass_weight(path, lobes)
+            passing = _passing(materials, path, hit, lobes)
             opacity = 1.0 - (passing[0] + passing[1] + passing[2]) / 3.0
             if first and not held:
                 _show(row, path, hit, materials, lobes, shading, camera, tables, opacity)

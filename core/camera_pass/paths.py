@@ -113,21 +113,32 @@ def is_clipped(path: Row, hit: Row) -> bool:
 
 
 @kernel
+def is_visible(path: Row, hit: Row, mesh: Row) -> bool:
+    """Whether rays of the path's kind see the object that is hit."""
+    return mesh.visible[hit.face] & path.event != 0
+
+
+@kernel
 def is_held_out(path: Row, hit: Row, mesh: Row) -> bool:
-    """Whether a hit cuts a hole into the picture: the camera sees it, and neither it nor
-    what it hides. Mirrors, shadows and photons know nothing of it (as in Cycles)."""
+    """Whether a hit cuts a hole into the picture.
+
+    The camera then sees neither it nor what it hides; mirrors, shadows and photons do.
+    """
     return path.event == _CAMERA_BIT and mesh.visible[hit.face] & _HOLDOUT != 0
 
 
 @kernel
-def _first_hit(sample: Row, camera: Row, hit: Row) -> None:
-    """Depth and normal of what the pixel shows."""
+def _first_hit(sample: Row, camera: Row, hit: Row, path: Row, mesh: Row) -> bool:
+    """Depth and normal of what the pixel shows; False where it shows a hole."""
+    if is_held_out(path, hit, mesh):
+        return False
     sample.hit = 1.0
     sample.alpha = 1.0
     eye = subtract(vector(hit.p), read(camera.position.reshape(1, 3), 0))
     # A camera on a face meets it at 0, give or take a rounding error.
     sample.depth = max(0.0, dot(eye, read(camera.axes, 2)))
     store(sample.normal, vector(hit.ns))
+    return True
 
 
 @kernel
@@ -216,8 +227,7 @@ def _arrive(
     path.length += hit.way
     path.since += hit.way
     absorb(materials, path, hit.way)
-    visible = (mesh.visible[hit.face] & path.event) != 0
-    if goes_through(materials, path, hit, visible):
+    if goes_through(materials, path, hit, is_visible(path, hit, mesh)):
         return True
     if not is_held_out(path, hit, mesh):
         see_faces(path, sample, lights, gather, mesh, materials, shading, hit)
@@ -284,10 +294,8 @@ def step_paths(
                 go_straight(paths, k, hit, origins, directions, alive)
                 alive += 1
             continue
-        if is_held_out(path, hit, mesh):
+        if path.event == _CAMERA_BIT and not _first_hit(sample, camera, hit, path, mesh):
             continue
-        if path.event == _CAMERA_BIT:
-            _first_hit(sample, camera, hit)
         wide, narrow = lobe_weights(path, lobes)
         if wide + narrow <= 0.0:
             continue
