@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import count
 from typing import Protocol
 
 import numpy as np
@@ -21,6 +22,9 @@ from .plan import Plan
 from .prepared import Prepared
 from .sampling.rng import PHOTON_CAUSTIC, PHOTON_GLOBAL
 from .settings import Settings
+
+#: Numbers by which maps tell their patches from those of others.
+_SALTS = count(1)
 
 
 @dataclass(frozen=True)
@@ -136,6 +140,7 @@ def photon_maps(
         emitted=sum(b.count for b in batches),
         stored=sum(len(w.photons) for w in walks),
         rays=sum(w.rays for w in walks),
+        salt=next(_SALTS),
         shadows=radii.shadows,
         crowd=radii.crowd_of(sum(b.count for b in batches if b.caustic)),
         counted=DensityMaps.of(caustic_map, global_map) if counts else None,

@@ -26,6 +26,7 @@ from .first_hit import step_first_hits
 from .indirect import gather_indirect, gather_order, start_gather
 from .kinds import KindLight, sum_rays
 from .next_event import light_directly
+from .patches import own_patches
 from .paths import start_paths, step_paths
 from .records import PATH, VERTEX
 
@@ -52,8 +53,9 @@ class PhotonMaps(NamedTuple):
 
     The borders are those of the surfaces, for discs near them; ``shadows``: what spares shadow
     rays, None when they are all traced; ``crowd``: where discs of caustics are smaller.
-    ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m].
-    ``counted``: the maps to ask how many photons there are, None when no layer tells it.
+    ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m]; ``salt``: a
+    number of its own. ``counted``: the maps to ask how many photons there are, None when no
+    layer tells it.
     """
 
     caustic: PhotonMap | None
@@ -65,6 +67,7 @@ class PhotonMaps(NamedTuple):
     emitted: int
     stored: int
     rays: int
+    salt: int
     shadows: ShadowMap | None = None
     crowd: Crowd | None = None
     counted: DensityMaps | None = None
@@ -180,7 +183,8 @@ def _gather(
     if maps.global_ is not None:
         gather_indirect(
             far.lobes, maps.global_, maps.global_borders, maps.global_radius, far.vertices,
-            gather_order(maps.global_, far.vertices), rows, np.zeros(SIGHT),
+            gather_order(maps.global_, far.vertices), rows, np.zeros(SIGHT), own_patches(),
+            maps.salt,
         )  # fmt: skip
     if kinds:
         at = np.zeros(len(samples), np.int32)

@@ -16,7 +16,7 @@ from ..jit import Row, Table, kernel
 from ..photons.cells import bucket_of, cell_key
 from ..photons.photon_map import PhotonMap
 from ..sampling.rng import camera_2d, mix, uniform
-from .estimate import add_estimate
+from .patches import add_shared
 from .records import GATHER, GATHER_LOBE, GATHER_STEP
 
 #: Photons that a processor's cache holds beside the rest [bytes].
@@ -115,12 +115,17 @@ def gather_indirect(
     order: Table,
     samples: Table,
     sight: Table,
+    patches: Table,
+    salt: int,
 ) -> None:
     """Add the indirect layer: ``vertices`` are where the gather rays ended.
 
-    ``sight`` (SIGHT,) is overwritten.
+    ``sight`` (SIGHT,) is overwritten; ``patches`` and ``salt``: see ``add_shared``.
     """
     for k in order:
         vertex = vertices[k]
         sample = samples[vertex.slot]
-        add_estimate(sample.indirect, sample, vertex, lobes, photon_map, borders, radius, sight)
+        add_shared(
+            sample.indirect, sample, vertex, lobes, photon_map, borders, radius, sight,
+            patches, salt,
+        )  # fmt: skip

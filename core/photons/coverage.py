@@ -165,6 +165,24 @@ def on_disc(
 
 
 @kernel
+def comes_near(
+    grid: Row, p: Vector, ng: Vector, outside: bool, radius: float, reach: float
+) -> bool:
+    """Whether a border comes as near to ``p`` as ``reach`` (1 at most) of the radius."""
+    first, last, key = pieces_near(grid, p)
+    if first == last:
+        return False
+    n = ng if outside else scale(ng, -1.0)
+    frame = basis(n)
+    for k in range(first, last):
+        if lies_by(grid, k, key, p, n, radius) != 0.0:
+            a, b = on_disc(grid, grid.piece[k], p, frame, 1.0 / radius)
+            if _nearest(a[0], a[1], b[0], b[1]) < reach * reach:
+                return True
+    return False
+
+
+@kernel
 def look_around(
     grid: Row, p: Vector, ng: Vector, outside: bool, radius: float, sight: Table
 ) -> tuple[bool, float, float]:

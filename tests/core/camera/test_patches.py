@@ -1,0 +1,149 @@
+"""Patches that gather rays share: what they keep apart, and that they only save work."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from photon_map.core.camera_pass.indirect import gather_indirect
+from photon_map.core.camera_pass.patches import EDGE, PATCH, place_of
+from photon_map.core.camera_pass.records import VERTEX
+from photon_map.core.film.film import SAMPLE
+from photon_map.core.geometry.borders import joined as all_of
+from photon_map.core.geometry.borders import short
+from photon_map.core.geometry.crossings import crossings
+from photon_map.core.geometry.intersector import Intersector
+from photon_map.core.photons.coverage import border_grid
+from photon_map.core.photons.photon_map import build_photon_map
+from photon_map.core.photons.sight import SIGHT
+from photon_map.core.photons.trace import PHOTON, Walk
+from photon_map.core.scene.builder import SceneBuilder, diffuse, phong
+from photon_map.tests import scenes
+from photon_map.tests.meshes import all_borders, joined, surfaces_of
+from photon_map.tests.statistics import same_means
+
+RADIUS = 0.1
+UP = (0.0, 0.0, 1.0)
+
+
+def borders(*parts):
+    mesh = joined(*parts)
+    surfaces = surfaces_of(mesh, [len(faces) for _, faces in parts])
+    holds = np.ones(len(mesh.faces), bool)
+    met = short(crossings(surfaces, holds, Intersector(mesh), RADIUS), RADIUS, 10**6)
+    return border_grid(all_of(all_borders(mesh, RADIUS), met), RADIUS)
+
+
+def photons(rng, count, low, high):
+    """Even light of 1 W/m^2 straight down on z = 0, x from ``low`` to ``high``, y +- 1."""
+    table = np.zeros(count, PHOTON)
+    table["position"][:, 0] = rng.uniform(low, high, count)
+    table["position"][:, 1] = rng.uniform(-1, 1, count)
+    table["normal"] = table["direction"] = UP
+    table["flux"] = 2 * (high - low) / count
+    return build_photon_map([Walk(table, np.arange(count), 0)], RADIUS)
+
+
+def ends(rng, count, x):
+    """Where gather rays ended on z = 0, at ``x``; a pixel each."""
+    vertices = np.zeros(count, VERTEX)
+    vertices["p"][:, 0] = x
+    vertices["p"][:, 1] = rng.uniform(-0.8, 0.8, count)
+    vertices["ng"] = vertices["ns"] = vertices["wo"] = UP
+    vertices["beta"] = np.pi
+    vertices["slot"] = np.arange(count)
+    vertices["lobe_count"] = 1
+    vertices["entering"] = 1
+    return vertices
+
+
+def light(photon_map, grid, vertices, salt=1, patches=None, order=None, lobes=diffuse(1.0)):
+    """The indirect layer (N,) of ``vertices`` with an albedo of 1: the irradiance."""
+    b = SceneBuilder("ends")
+    b.add_material("tested", [lobes])
+    patches = np.zeros(1 << 12, PATCH) if patches is None else patches
+    order = np.arange(len(vertices)) if order is None else order
+    samples = np.zeros(len(vertices), SAMPLE)
+    gather_indirect(
+        b.build().lobes, photon_map, grid, RADIUS, vertices, order, samples, np.zeros(SIGHT),
+        patches, salt,
+    )  # fmt: skip
+    return samples["indirect"][:, 0]
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(5)
+
+
+@pytest.fixture
+def floor():
+    return borders(scenes.plane())
+
+
+def test_rays_that_end_in_a_patch_share_an_estimate_and_keep_the_mean(rng, floor):
+    vertices = ends(rng, 4000, rng.uniform(-0.8, 0.8, 4000))
+    shared = [light(photons(rng, 4000, -1, 1), floor, vertices).mean() for _ in range(40)]
+    found = light(photons(rng, 4000, -1, 1), floor, vertices)
+    most = (1.6 / (EDGE * RADIUS) + 1) ** 2
+    assert len(np.unique(found)) < most < len(vertices)
+    same_means(np.mean(shared), np.var(shared, ddof=1) / 40, 1.0)
+
+
+def test_who_asks_first_changes_no_bit(rng, floor):
+    vertices = ends(rng, 3000, rng.uniform(-1, 1, 3000))
+    vertices["p"][:, 2] = rng.normal(0, 1e-7, 3000)
+    lit = photons(rng, 20000, -1, 1)
+    first = light(lit, floor, vertices)
+    tiny = np.zeros(1, PATCH)  # forgets every patch at once
+    for order, room in ((np.arange(3000)[::-1].copy(), None), (rng.permutation(3000), tiny)):
+        np.testing.assert_array_equal(light(lit, floor, vertices, 1, room, order), first)
+
+
+def test_a_map_never_sees_the_patches_of_another(rng, floor):
+    vertices = ends(rng, 500, 0.0)
+    patches = np.zeros(1 << 12, PATCH)
+    bright = photons(rng, 20000, -1, 1)
+    dark = photons(rng, 20000, 5, 7)
+    assert light(bright, floor, vertices, 7, patches).min() > 0.5
+    # What would happen without a number of its own ...
+    assert light(dark, floor, vertices, 7, patches).min() > 0.5
+    assert light(dark, floor, vertices, 8, patches).max() == 0.0
+
+
+@pytest.mark.parametrize("apart", ["crossing", "beside"])
+def test_no_patch_reaches_through_a_wall(rng, apart):
+    """Half of the patches that the wall runs through have their middle in the light."""
+    wall = scenes.quad((0.003, -1, -1), (0.003, 1, -1), (0.003, 1, 1), (0.003, -1, 1))
+    if apart == "crossing":
+        grid = borders(scenes.plane(), wall)
+    else:
+        left = scenes.quad((-1, -1, 0), (0.003, -1, 0), (0.003, 1, 0), (-1, 1, 0))
+        right = scenes.quad((0.003, -1, 0), (1, -1, 0), (1, 1, 0), (0.003, 1, 0))
+        grid = borders(left, right, wall)
+    lit = photons(rng, 40000, 0.003, 1)
+    dark = ends(rng, 2000, rng.uniform(-0.05, 0.0029, 2000))
+    middles = np.array([place_of(p, UP, RADIUS, True, 1)[1] for p in dark["p"]])
+    assert (middles[:, 0] > 0.003).any(), "the test would see nothing"
+    assert light(lit, grid, dark).max() == 0.0
+    bright = ends(rng, 2000, rng.uniform(0.0031, 0.05, 2000))
+    assert light(lit, grid, bright).mean() == pytest.approx(1.0, abs=0.1)
+
+
+def test_both_sides_of_a_sheet_have_patches_of_their_own(rng, floor):
+    vertices = ends(rng, 500, 0.0)
+    below = vertices.copy()
+    below["ng"] = below["ns"] = below["wo"] = (0.0, 0.0, -1.0)
+    below["entering"] = 0
+    patches = np.zeros(1 << 12, PATCH)
+    lit = photons(rng, 20000, -1, 1)
+    assert light(lit, floor, vertices, 1, patches).min() > 0.5
+    assert light(lit, floor, below, 1, patches).max() == 0.0
+
+
+def test_glossy_places_are_estimated_one_by_one(rng, floor):
+    vertices = ends(rng, 300, rng.uniform(-0.5, 0.5, 300))
+    vertices["wo"] = rng.normal(0, 0.3, (300, 3)) + UP
+    vertices["wo"] /= np.linalg.norm(vertices["wo"], axis=1)[:, None]
+    lobes = phong(0.5, 2)
+    assert len(np.unique(light(photons(rng, 20000, -1, 1), floor, vertices, lobes=lobes))) > 290
