@@ -57,10 +57,10 @@ def ends(rng, count, x):
     return vertices
 
 
-def light(photon_map, grid, vertices, salt=1, patches=None, order=None, lobes=diffuse(1.0)):
+def light(photon_map, grid, vertices, salt=1, patches=None, order=None, lobe=None):
     """The indirect layer (N,) of ``vertices`` with an albedo of 1: the irradiance."""
     b = SceneBuilder("ends")
-    b.add_material("tested", [lobes])
+    b.add_material("tested", [lobe or diffuse(1.0)])
     patches = np.zeros(1 << 12, PATCH) if patches is None else patches
     order = np.arange(len(vertices)) if order is None else order
     samples = np.zeros(len(vertices), SAMPLE)
@@ -145,5 +145,5 @@ def test_glossy_places_are_estimated_one_by_one(rng, floor):
     vertices = ends(rng, 300, rng.uniform(-0.5, 0.5, 300))
     vertices["wo"] = rng.normal(0, 0.3, (300, 3)) + UP
     vertices["wo"] /= np.linalg.norm(vertices["wo"], axis=1)[:, None]
-    lobes = phong(0.5, 2)
-    assert len(np.unique(light(photons(rng, 20000, -1, 1), floor, vertices, lobes=lobes))) > 290
+    lobe = phong(0.5, 2)
+    assert len(np.unique(light(photons(rng, 20000, -1, 1), floor, vertices, lobe=lobe))) > 290
