@@ -110,6 +110,10 @@ def render(
     threads: Annotated[int | None, typer.Option(help="Threads; 0 takes every core.")] = None,
     filter_: Annotated[PixelFilter | None, typer.Option("--filter")] = None,
     filter_width: Annotated[float | None, typer.Option(metavar="PX")] = None,
+    memory: Annotated[
+        int | None,
+        typer.Option(metavar="MB", help="Most memory for photons; fewer where it is short."),
+    ] = None,
     shadow_photons: Annotated[
         int | None,
         typer.Option(metavar="N", help="Straight paths from the lamps that spare shadow rays."),
@@ -134,6 +138,7 @@ def render(
     overrides = _limits(passes, seconds, error) | {
         "seed": seed,
         "threads": threads,
+        "photon_memory": memory,
         "shadow_photons": shadow_photons,
         "pixel_filter": filter_ and filter_.name,
         "filter_width": 1.0

@@ -218,6 +218,7 @@ def render_stamps(layer: str, update: Update) -> dict[str, str]:
         "seconds": f"{update.seconds:.2f}",
         "rays": str(statistics.rays),
         "photons": str(statistics.photons_emitted),
+        "photon_megabytes": f"{update.photon_bytes / 2**20:.1f}",
         "film_megabytes": f"{update.film.nbytes / 2**20:.1f}",
         "peak_megabytes": f"{peak_memory() / 2**20:.0f}",
     }

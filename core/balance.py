@@ -9,7 +9,7 @@ in rays and photons, not by a clock: so each render of a scene takes the same de
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import gcd
 from typing import NamedTuple
@@ -155,18 +155,24 @@ def least_error(noise: Noise, cost: Cost, photon_factors: Sequence[float]) -> Ba
     return min(tried, key=product)
 
 
-def balanced(settings: Settings, seen: Look, region: Region, traced: bool) -> Settings:
+def balanced(
+    settings: Settings,
+    seen: Look,
+    region: Region,
+    traced: bool,
+    fits: Callable[[float], bool] = lambda factor: True,
+) -> Settings:
     """``settings`` with the numbers that ``seen`` asks for in place of automatic ones.
 
-    ``traced``: whether the number of photons is free, as it is not with baked maps. With
+    ``traced``: whether the number of photons is free, as it is not with baked maps; ``fits``:
+    whether there is memory for so many times the caustic photons. With
     more photons the discs of caustics are smaller by the sixth root: their bias, which goes
     with the fourth power of the radius, falls as fast as the noise (Silverman 1986, 4.3).
     """
     free = traced and settings.photons_caustic == AUTOMATIC
     free = free and any(batch.caustic for batch in seen.batches)
-    found = least_error(
-        noise_of(seen), cost_of(seen, region), PHOTON_FACTORS if free else (1.0,)
-    )
+    factors = [f for f in PHOTON_FACTORS if f <= 1.0 or fits(f)] if free else [1.0]
+    found = least_error(noise_of(seen), cost_of(seen, region), factors)
     settings = replace(settings, gather_rays=found.gather_rays)
     if not free:
         return settings

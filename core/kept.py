@@ -28,6 +28,8 @@ class Kept:
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
         self.most_bytes = most_bytes
+        #: What the present render leaves of it.
+        self.room = most_bytes
         self.nbytes = 0
         self._scene: Scene | None = None
         self._prepared: Prepared | None = None
@@ -44,6 +46,13 @@ class Kept:
         self._scene, self._prepared = scene, prepared
         return prepared
 
+    def leave(self, room: int) -> None:
+        """Keep no more than ``room`` bytes of photons from now on."""
+        self.room = max(0, min(self.most_bytes, room))
+        if self.nbytes > self.room:
+            self._walks.clear()
+            self.nbytes = 0
+
     def photons(self, source: PhotonSource, settings: Settings) -> PhotonSource:
         """``source``, asked only for what is not in memory."""
         return _KeptPhotons(self, source, settings)
@@ -55,7 +64,7 @@ class Kept:
         if found is None:
             found = source.walk(i, batch)
             with self._lock:
-                if self.nbytes + found.photons.nbytes <= self.most_bytes:
+                if self.nbytes + found.photons.nbytes <= self.room:
                     self.nbytes += found.photons.nbytes
                     self._walks[key] = found
         return found

@@ -19,6 +19,14 @@ from .film.stated_error import UNKNOWN
 from .jit import has_compiled, set_compiled
 from .kept import Kept
 from .light_groups import GroupChunk, lit_by, trace_groups
+from .photon_memory import (
+    Afforded,
+    PhotonMemory,
+    Stored,
+    affordable,
+    emitted,
+    stored_in,
+)
 from .photon_pass import (
     PhotonSource,
     TracedPhotons,
@@ -84,6 +92,7 @@ class _Render:
         # Chunks queued at a time: enough for every thread, few enough for the memory.
         self.in_flight = 2 * settings.thread_count + 2
         self.compiling = True
+        self.memory = PhotonMemory(settings)
         self.error = UNKNOWN
         self.error_passes = 0
 
@@ -104,22 +113,18 @@ class _Render:
                 "building the scene",
             )
             pixels = self.region.width * self.region.height
-            source, self.plan = yield from self._watch(
-                self.pool.submit(
-                    photon_source, self.scene, self.settings, self.plan, prepared, pixels
-                ),
+            source, self.plan, afforded = yield from self._watch(
+                self.pool.submit(self._photons, prepared, pixels),
                 "photon maps" if self.settings.photon_maps else pilot,
             )
             traced = isinstance(source, TracedPhotons)
+            self._afford(afforded, traced)
             source = self.kept.photons(source, self.settings)
-            radii = yield from self._watch(
-                self.pool.submit(pilot_radii, prepared, self.settings, self.region, source),
-                pilot,
-            )
-            yield from self._watch(
-                self.pool.submit(self._warm_up, prepared, radii, source),
-                pilot,
-            )
+            asked = (prepared, self.settings, self.region, source)
+            radii = yield from self._watch(self.pool.submit(pilot_radii, *asked), pilot)
+            self._expect(afforded.stored, radii)
+            warm_up = self.pool.submit(self._warm_up, prepared, radii, source)
+            yield from self._watch(warm_up, pilot)
             self.compiling = False
             set_compiled()
             self.render_begin = time.perf_counter()
@@ -149,6 +154,7 @@ class _Render:
             setup_seconds=(now if setup else self.render_begin) - self.begin,
             plan=self.plan,
             message=message,
+            photon_bytes=self.memory.peak,
         )
 
     def _watch(self, future: Future[_T], message: str) -> Generator[Update, None, _T]:
@@ -156,6 +162,26 @@ class _Render:
         while not wait([future], timeout=SILENCE).done:
             yield self._update("setup", message)
         return future.result()
+
+    def _photons(self, prepared: Prepared, pixels: int) -> tuple[PhotonSource, Plan, Afforded]:
+        afforded = affordable(prepared, self.settings, self.plan, pixels)
+        return photon_source(self.scene, self.settings, self.plan, prepared, afforded)
+
+    def _afford(self, afforded: Afforded, traced: bool) -> None:
+        """Keep to what there is memory for."""
+        if afforded.warnings:
+            warnings = (*self.plan.warnings, *afforded.warnings)
+            self.plan = self.plan._replace(warnings=warnings)
+            if traced:
+                caustic, global_ = emitted(afforded.batches)
+                self.settings = replace(
+                    self.settings, photons_caustic=caustic, photons_global=global_
+                )
+
+    def _expect(self, stored: Stored, radii: Radii) -> None:
+        """Share the memory out for passes that store so many photons."""
+        self.memory.expect(stored, radii)
+        self.kept.leave(self.memory.room)
 
     def _warm_up(self, prepared: Prepared, radii: Radii, source: PhotonSource) -> None:
         """A few pixels through every kernel: compiling is set-up, not rendering."""
@@ -182,7 +208,8 @@ class _Render:
         ]
         found: list[Walk] = []
         maps = []
-        for futures in walks:
+        while walks:
+            futures = walks.pop(0)
             found = []
             for future in futures:
                 found.append((yield from self._watch(future, asked)))
@@ -198,13 +225,17 @@ class _Render:
         third = yield from self._watch(parts[2], asked)
         seen = Look(first, second, third, source.batches, found)
         before = self.settings
-        self.settings = balanced(before, seen, self.region, traced)
+        stored = stored_in(seen.batches, found)
+        fits = self.memory.fits_with(stored)
+        self.settings = balanced(before, seen, self.region, traced, fits)
         self.plan = self.plan._replace(stages=(*self.plan.stages, stage_of(self.settings)))
         if traced:
             pixels = self.region.width * self.region.height
             batches = photon_batches(self.plan, self.settings, pixels)
             source = TracedPhotons(prepared, self.settings, batches)
             source = self.kept.photons(source, self.settings)
+            factor = emitted(batches)[0] / max(1, emitted(seen.batches)[0])
+            self._expect(Stored(factor * stored.caustic, stored.global_), radii)
         return radii.with_caustics(self.settings.caustic_radius / before.caustic_radius), source
 
     def _sides(self, prepared: Prepared, source: PhotonSource) -> list[_Side]:
@@ -216,26 +247,27 @@ class _Render:
         return sides
 
     def _passes(self, sides: list[_Side], radii: Radii) -> Generator[Update, None, None]:
-        """Passes until a limit is met; photons are traced two passes ahead.
+        """Passes until a limit is met; photons are traced up to two passes ahead.
 
         So there is always work in the queue while a map is sorted, and no thread idles at
         the end of a phase. Chunks are added to the film in order.
         """
         last = time.perf_counter()
+        ahead = self.memory.ahead
         maps = deque(
-            self._launch_photons(radii, sides, i) for i in range(min(2, self.settings.passes))
+            self._launch_photons(radii, sides, i)
+            for i in range(min(ahead, self.settings.passes))
         )
         for i in range(self.settings.passes):
             while not wait([maps[0]], timeout=SILENCE).done:
                 yield self._update("render", "")
                 last = time.perf_counter()
             current = maps.popleft().result()
-            for part in current:
-                self._count(part)
+            self._count(current)
             waiting = self._chunks(sides, current, i)
             chunks = deque(islice(waiting, self.in_flight))
-            if i + 2 < self.settings.passes:
-                maps.append(self._launch_photons(radii, sides, i + 2))
+            if i + ahead < self.settings.passes:
+                maps.append(self._launch_photons(radii, sides, i + ahead))
             while chunks:
                 while not wait([chunks[0]], timeout=SILENCE).done:
                     yield self._update("render", "")
@@ -260,11 +292,13 @@ class _Render:
         self.film.add_groups(start, groups)
         self.film.statistics.rays += whole.rays
 
-    def _count(self, maps: PhotonMaps) -> None:
+    def _count(self, sides: list[PhotonMaps]) -> None:
         statistics = self.film.statistics
-        statistics.photons_emitted += maps.emitted
-        statistics.photons_stored += maps.stored
-        statistics.rays += maps.rays
+        for maps in sides:
+            statistics.photons_emitted += maps.emitted
+            statistics.photons_stored += maps.stored
+            statistics.rays += maps.rays
+        self.memory.count(sides)
 
     def _out_of_time(self) -> bool:
         """Whether the time is up; one whole pass is always made."""

@@ -78,6 +78,7 @@ def render_report(
         "setup_seconds": _finite(update.setup_seconds),
         "photons_emitted": int(statistics.photons_emitted),
         "photons_stored": int(statistics.photons_stored),
+        "photon_megabytes": round(update.photon_bytes / 2**20, 3),
         "rays": int(statistics.rays),
         "non_finite": int(statistics.non_finite),
         **_errors(update.error),

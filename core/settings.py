@@ -57,6 +57,8 @@ class Settings:
     at a time) changes a bit of the result.
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
     fit the scene, ``stale_maps`` says to trace as usual, to bake them again, or to refuse.
+    ``photon_memory`` [MB]: most that both photon maps of a pass, and those of the passes under
+    way, may take; where it is too little there are fewer photons.
     ``shadow_photons`` straight paths from the lamps, 0 for none, spare shadow rays where less
     than ``shadow_lit`` or more than ``shadow_dark`` of ``shadow_least`` or more photons around
     a place are shadow photons, with confidence (``photons/shadow``).
@@ -87,6 +89,7 @@ class Settings:
     matte_ranks: int = 6
     light_kinds: bool = False
     light_groups: tuple[LightGroup, ...] = ()
+    photon_memory: int = 4096
     shadow_photons: int = 0
     shadow_lit: float = 0.1
     shadow_dark: float = 0.96
@@ -162,6 +165,7 @@ _RANGES: dict[str, tuple[float, float]] = {
     "exposure": (0, 10),
     "chunk_size": (1, 10_000_000),
     "matte_ranks": (1, 16),
+    "photon_memory": (16, 1_000_000),
     "shadow_photons": (0, 100_000_000),
     "shadow_lit": (0, 1),
     "shadow_dark": (0, 1),

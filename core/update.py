@@ -18,7 +18,8 @@ class Update:
 
     ``passes``: whole passes in ``film``, which goes on changing when the render is pulled
     again; ``error``: see ``Film.stated_error``; ``seconds``: rendering alone;
-    ``setup_seconds``: building and compiling before it.
+    ``setup_seconds``: building and compiling before it; ``photon_bytes``: most memory that
+    photon maps have taken so far, those under way included.
     """
 
     phase: Phase
@@ -29,6 +30,7 @@ class Update:
     setup_seconds: float
     plan: Plan
     message: str = ""
+    photon_bytes: int = 0
 
     @property
     def relative_error(self) -> float:

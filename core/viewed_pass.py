@@ -20,9 +20,9 @@ from .camera_pass.chunk import Region
 from .geometry.intersector import Hits
 from .geometry.vector import Vector
 from .jit import Row, Table, kernel
+from .photon_memory import affordable
 from .photon_pass import (
     TracedPhotons,
-    photon_batches,
     photon_maps,
     pilot_radii,
     trace_batch,
@@ -84,7 +84,7 @@ class ViewedPass:
         self._settings = settings
         self._scene = scene
         pixels = camera.width * camera.height
-        self._batches = photon_batches(plan, settings, pixels)
+        self._batches = affordable(self._prepared, settings, plan, pixels).batches
         known = [known_walk(self._prepared, settings, i, batch) for batch in self._batches]
         self.view = view_of(scene, settings, self._prepared, self._batches, known)
         rows = [walk.walk.photons for walk in known]

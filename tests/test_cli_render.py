@@ -96,6 +96,21 @@ def test_layers_add_up_and_the_report_counts(tmp_path: Path):
         assert len(np.unique(np.asarray(image))) > 50
 
 
+def test_short_of_memory_there_are_fewer_photons_and_one_warning(tmp_path: Path):
+    saved(tmp_path / "box.npz", cornell_glass(8), passes=2, photons_global=60_000)
+    done = run(
+        tmp_path, "render", "box.npz", "-o", "b.exr", "--memory", 16, "--report", "b.json"
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("more than 16 MB") == 1
+    report = json.loads((tmp_path / "b.json").read_text())
+    assert 0 < report["photon_megabytes"] < 16
+    assert report["photons_emitted"] < 2 * 60_000
+    refused = run(tmp_path, "render", "box.npz", "-o", "c.exr", "--memory", 1)
+    assert refused.returncode == 2
+    assert "photon_memory is 1, it must be from 16" in refused.stderr
+
+
 def test_threads_change_no_bit_and_the_seed_does(tmp_path: Path):
     saved(tmp_path / "box.npz", cornell_glass(12), passes=2)
     for name, *arguments in (("a", "--threads", 1), ("b", "--threads", 2), ("c", "--seed", 1)):

@@ -21,6 +21,7 @@ FIELDS = (
     "min_throughput",
     "caustic_radius",
     "alpha",
+    "photon_memory",
     "shadow_photons",
     "shadow_lit",
     "shadow_dark",

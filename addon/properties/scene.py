@@ -129,6 +129,16 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
         precision=5,
         step=0.01,
     )
+    photon_memory: IntProperty(  # type: ignore[valid-type]
+        name="Photon Memory",
+        description="Most memory in megabytes that the photons of a pass, and of the passes "
+        "under way, may take. Where it is too little, passes have fewer photons, and a warning "
+        "says how many",
+        default=_DEFAULT.photon_memory,
+        min=16,
+        max=1_000_000,
+        soft_max=65_536,
+    )
     shadow_photons: IntProperty(  # type: ignore[valid-type]
         name="Shadow Photons",
         description="Straight paths from the lamps, once a render, that spare shadow rays "

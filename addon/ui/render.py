@@ -92,7 +92,7 @@ class PHOTONMAP_RENDER_PT_film(RenderPanel, bpy.types.Panel):
 
 
 class PHOTONMAP_RENDER_PT_performance(RenderPanel, bpy.types.Panel):
-    """Use of the machine; Blender's own settings, which `blender -t` sets too."""
+    """Use of the machine; the threads are Blender's, which `blender -t` sets too."""
 
     bl_label = "Performance"
     bl_options = {"DEFAULT_CLOSED"}
@@ -103,6 +103,7 @@ class PHOTONMAP_RENDER_PT_performance(RenderPanel, bpy.types.Panel):
         threads = column.column()
         threads.enabled = render.threads_mode == "FIXED"
         threads.prop(render, "threads")
+        column.prop(context.scene.photon_map, "photon_memory")
 
 
 PANELS = (

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..photon_memory import Afforded, Budget, Stored, emitted
 from ..photon_pass import Batch, PhotonSource, TracedPhotons, photon_batches
 from ..photons.trace import PHOTON, Walk
 from ..plan import Plan, Stage
@@ -17,7 +19,7 @@ from ..sampling.rng import REPLICATES
 from ..scene.scene import Scene
 from ..settings import AUTOMATIC, Settings
 from .fingerprint import TRACING_VERSION, changes, fingerprint
-from .maps_file import BakeError, BakeHeader, MapsFile, write_maps
+from .maps_file import MOST_KEPT, BakeError, BakeHeader, MapsFile, write_maps
 
 #: Passes of a bake that nobody has chosen.
 DEFAULT_PASSES = 64
@@ -65,11 +67,10 @@ def write_bake(
     on_pass: Callable[[int], None] = lambda done: None,
 ) -> BakeHeader:
     """As ``bake``, of a scene that is prepared."""
-    emitted = [sum(b.count for b in source.batches if b.caustic == c) for c in (True, False)]
     header = BakeHeader(
         passes=whole_passes(passes),
         seed=settings.seed,
-        emitted=(emitted[0], emitted[1]),
+        emitted=emitted(source.batches),
         tracing_version=TRACING_VERSION,
         fingerprint=fingerprint(scene, settings),
         origin=tuple(float(x) for x in prepared.centre.origin),  # type: ignore[arg-type]
@@ -131,16 +132,17 @@ class BakedPhotons:
 
 
 def photon_source(
-    scene: Scene, settings: Settings, plan: Plan, prepared: Prepared, pixels: int
-) -> tuple[PhotonSource, Plan]:
+    scene: Scene, settings: Settings, plan: Plan, prepared: Prepared, afforded: Afforded
+) -> tuple[PhotonSource, Plan, Afforded]:
     """Where a render takes its photons from, and the plan with a stage that says so.
 
     With ``settings.photon_maps`` that fit, from there. Else ``settings.stale_maps`` decides:
-    they are traced, or baked again first, or ``BakeError`` is raised.
+    they are traced, or baked again first, or ``BakeError`` is raised. ``afforded``: what a
+    pass has when it is traced; what it has in the end is returned.
     """
-    traced = TracedPhotons(prepared, settings, photon_batches(plan, settings, pixels))
+    traced = TracedPhotons(prepared, settings, afforded.batches)
     if not settings.photon_maps:
-        return traced, plan
+        return traced, plan, afforded
     path = Path(settings.photon_maps)
     try:
         return _fitting(path, scene, settings, plan, prepared)
@@ -149,18 +151,21 @@ def photon_source(
             raise
         if settings.stale_maps == "TRACE":
             warning = f"{problem}; photons are traced instead"
-            return traced, _with_stage(plan, False, str(problem), warning)
+            return traced, _with_stage(plan, False, str(problem), warning), afforded
         warning = f"{problem}; they were baked again"
         wanted = min(DEFAULT_PASSES, settings.passes)
     write_bake(scene, settings, prepared, traced, path, wanted)
-    source, plan = _fitting(path, scene, settings, plan, prepared)
-    return source, plan._replace(warnings=(*plan.warnings, warning))
+    counts = emitted(afforded.batches)
+    baked = replace(settings, photons_caustic=counts[0], photons_global=counts[1])
+    source, plan, afforded = _fitting(path, scene, baked, plan, prepared)
+    return source, plan._replace(warnings=(*plan.warnings, warning)), afforded
 
 
 def _fitting(
     path: Path, scene: Scene, settings: Settings, plan: Plan, prepared: Prepared
-) -> tuple[PhotonSource, Plan]:
-    file = MapsFile(path)
+) -> tuple[PhotonSource, Plan, Afforded]:
+    limit = settings.photon_memory << 20
+    file = MapsFile(path, min(MOST_KEPT, limit // 4))
     found = misfits(file.header, scene, settings, plan, prepared)
     if found:
         rest = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
@@ -169,7 +174,16 @@ def _fitting(
             "bake them again"
         )
     reason = f"{file.header.passes} passes from '{path.name}'"
-    return BakedPhotons(file, plan), _with_stage(plan, True, reason)
+    stored = Stored(*(float(max(counts)) for counts in zip(*file.header.stored, strict=True)))
+    source = BakedPhotons(file, plan)
+    warnings: tuple[str, ...] = ()
+    if Budget.of(settings, file.kept_bytes).part(stored) < 1.0:
+        warnings = (
+            f"photon maps '{path.name}' take more than {settings.photon_memory} MB a pass: "
+            "bake fewer photons, or raise their memory limit",
+        )
+    plan = _with_stage(plan, True, reason)
+    return source, plan, Afforded(source.batches, stored, warnings)
 
 
 def misfits(

@@ -34,7 +34,7 @@ MOST_PASSES = 1 << 16
 _MOST_HEADER = 1 << 26
 _MOST_PHOTONS = 1 << 30
 #: Maps of at most so many bytes are kept in memory once they are checked.
-_KEPT = 1 << 29
+MOST_KEPT = 1 << 29
 _KINDS = ("caustic", "global")
 _PILOT = "pilot.npy"
 _FIELDS = PHOTON.names or ()
@@ -117,15 +117,22 @@ class MapsFile:
     """An open file of maps; ``photons`` may be asked by several threads.
 
     Raises ``BakeError`` when the file is damaged, foreign or of another version, ``OSError``
-    when it cannot be read. All of it is checked once, here.
+    when it cannot be read. All of it is checked once, here, and kept in memory when it takes
+    no more than ``most_kept`` bytes.
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], most_kept: int = MOST_KEPT) -> None:
         self.path = Path(path)
+        self.most_kept = most_kept
         if not self.path.is_file():
             raise BakeError(f"there are no photon maps '{self.path}'")
         self._kept: list[Maps] = []
         self.header, self.pilot = self._guarded(self._check)
+
+    @property
+    def kept_bytes(self) -> int:
+        """Memory of the photons that are kept."""
+        return sum(photons.nbytes for maps in self._kept for photons in maps)
 
     def photons(self, i: int) -> Maps:
         """The (caustic, global) photons of pass ``i``, ``PHOTON`` rows by path and depth."""
@@ -153,7 +160,7 @@ class MapsFile:
         _fill(archive, _PILOT, pilot, header)
         for i in range(header.passes):
             maps = _read_pass(archive, i, header)
-            if count * PHOTON.itemsize <= _KEPT:
+            if count * PHOTON.itemsize <= self.most_kept:
                 self._kept.append(maps)
         return header, pilot
 

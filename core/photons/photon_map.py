@@ -13,6 +13,9 @@ from .cells import bucket_of, cell_key
 from .rows import REPEATED
 from .trace import PHOTON, Walk
 
+#: Photons that stand twice, as a guess of their most: those of 14 cells.
+_TWICE = 4096
+
 
 class PhotonMap(NamedTuple):
     """One pass's photons of one kind.
@@ -51,8 +54,7 @@ def build_photon_map(walks: list[Walk], cell: float) -> PhotonMap:
     """
     photons = np.concatenate([w.photons for w in walks]) if walks else np.zeros(0, PHOTON)
     order = np.concatenate([w.order for w in walks]) if walks else np.zeros(0, np.int64)
-    # More buckets than photons: a disc's cells then share few with those of other rows.
-    buckets = 4 << max(4, math.ceil(math.log2(max(1, len(photons)))))
+    buckets = _buckets_for(len(photons))
     first = np.argsort(order, kind="stable")
     start = np.zeros(buckets + 1, np.int32)
     bucket = np.zeros(len(photons), np.int32)
@@ -68,6 +70,26 @@ def build_photon_map(walks: list[Walk], cell: float) -> PhotonMap:
     start = np.concatenate([start, start[-1] + start[1 : REPEATED + 1]])
     places = np.ascontiguousarray(sorted_photons["position"])
     return PhotonMap(sorted_photons, places, keys, start, buckets, cell)
+
+
+def bytes_of_map(count: int) -> int:
+    """Memory of a map of ``count`` photons, at most by the few that stand twice."""
+    rows = count + min(count, _TWICE)
+    row = PHOTON.itemsize + 3 * 4 + 8
+    return rows * row + 4 * (_buckets_for(count) + REPEATED + 1)
+
+
+def bytes_while_building(count: int) -> int:
+    """Memory of the walks with ``count`` photons and of all that is made of them."""
+    walks = count * (PHOTON.itemsize + 8)
+    # The same in one piece, its order, bucket and cell of each; the table of buckets twice.
+    columns = walks + count * (8 + 4 + 8) + 8 * (_buckets_for(count) + 1)
+    return walks + columns + bytes_of_map(count)
+
+
+def _buckets_for(count: int) -> int:
+    """More buckets than photons: a disc's cells then share few with those of other rows."""
+    return 4 << max(4, math.ceil(math.log2(max(1, count))))
 
 
 @kernel

@@ -15,7 +15,7 @@ def update(
     """Looks like ``core.Update``, whose import needs Numba."""
     return SimpleNamespace(
         phase=phase, passes=passes, film=film, relative_error=error, seconds=seconds,
-        setup_seconds=0.5, plan=plan, message="",
+        setup_seconds=0.5, plan=plan, message="", photon_bytes=3 << 20,
     )  # fmt: skip
 
 

@@ -84,7 +84,7 @@ def test_the_file_says_what_it_took(bpy: Any, core: Any, tmp_path: Path) -> None
         assert float(said.pop("peak_megabytes")) > 10
         assert said == {
             "passes": "4", "seconds": "1.00", "rays": "1500000", "photons": "1000",
-            "film_megabytes": "1.0", "relative_error": "0.500000",
+            "film_megabytes": "1.0", "relative_error": "0.500000", "photon_megabytes": "3.0",
         }  # fmt: skip
 
 

@@ -23,6 +23,7 @@ class FakeUpdate:
     seconds: float = 1.0
     error: StatedError = UNKNOWN
     setup_seconds: float = 0.5
+    photon_bytes: int = 3 << 19
     film: SimpleNamespace = field(
         default_factory=lambda: SimpleNamespace(
             width=8, height=6,
@@ -67,6 +68,7 @@ def test_the_report_has_the_promised_keys_and_is_json():
         "setup_seconds": 0.5,
         "photons_emitted": 2**33,
         "photons_stored": 10,
+        "photon_megabytes": 1.5,
         "rays": 20,
         "non_finite": 0,
         "relative_error": 0.125,

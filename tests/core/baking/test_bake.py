@@ -159,3 +159,24 @@ def test_missing_maps_are_baked_when_they_may_be(scene: Scene, tmp_path: Path):
     assert not stage_of(last_of(scene, settings))[0]
     assert stage_of(last_of(scene, replace(settings, stale_maps="REBUILD")))[0]
     assert MapsFile(tmp_path / "new.pmap").header.passes == 4
+
+
+def test_maps_above_the_memory_limit_are_told_and_taken(scene: Scene, tmp_path: Path):
+    many = replace(SETTINGS, photons_global=60_000, photons_caustic=1000, photon_memory=16)
+    bake(scene, many, tmp_path / "many.pmap", 4)
+    update = last_of(scene, replace(many, photon_maps=str(tmp_path / "many.pmap")))
+    told = [w for w in update.plan.warnings if "take more than 16 MB" in w]
+    assert len(told) == 1 and "many.pmap" in told[0]
+    assert update.photon_bytes > 16 << 20
+
+
+def test_maps_that_a_render_bakes_stay_below_the_limit(scene: Scene, tmp_path: Path):
+    path = tmp_path / "less.pmap"
+    many = replace(
+        SETTINGS, photons_global=60_000, photons_caustic=1000, photon_memory=16,
+        photon_maps=str(path), stale_maps="REBUILD",
+    )  # fmt: skip
+    update = last_of(scene, many)
+    assert stage_of(update)[0]
+    assert update.photon_bytes < 16 << 20
+    assert sum(MapsFile(path).header.emitted) < 61_000

@@ -40,9 +40,9 @@ def path(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("kept", [0, 1 << 20])
-def test_a_round_trip_keeps_every_bit(path: Path, kept: int, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(maps_file, "_KEPT", kept)
-    file = MapsFile(path)
+def test_a_round_trip_keeps_every_bit(path: Path, kept: int):
+    file = MapsFile(path, kept)
+    assert file.kept_bytes == (0 if kept == 0 else 36 * PHOTON.itemsize)
     assert file.header.fingerprint == HEADER.fingerprint
     assert (file.header.origin, file.header.scene) == (HEADER.origin, HEADER.scene)
     assert file.header.stored == ((5, 4), (0, 9), (3, 6), (9, 0))
