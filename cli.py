@@ -118,6 +118,10 @@ def render(
         int | None,
         typer.Option(metavar="N", help="Straight paths from the lamps that spare shadow rays."),
     ] = None,
+    split_depth: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Events at smooth glass that split view rays, 0: none."),
+    ] = None,
     report: Annotated[
         Path | None,
         typer.Option(
@@ -140,6 +144,7 @@ def render(
         "threads": threads,
         "photon_memory": memory,
         "shadow_photons": shadow_photons,
+        "split_depth": split_depth,
         "pixel_filter": filter_ and filter_.name,
         "filter_width": 1.0
         if filter_ == PixelFilter.BOX and not filter_width

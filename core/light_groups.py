@@ -48,6 +48,7 @@ def lit_by(prepared: Prepared, scene: Scene, group: LightGroup) -> Prepared:
     return prepared._replace(
         mesh=mesh._replace(material=material),
         materials=np.concatenate([prepared.materials, dark]),
+        glass=np.tile(prepared.glass, 2),
         lights=lights._replace(lamps=lamps, world=world),
         first_hits=None,
     )

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .bsdf.dispatch import smooth_glass
 from .bsdf.resolve import MOST_LOBES
 from .camera.perspective import CameraTables, camera_tables
 from .camera_pass.first_hit_tables import FirstHitTables
@@ -30,7 +31,8 @@ class Prepared(NamedTuple):
 
     ``light_media`` (N+2, 1 + STACK) i4 and ``camera_media`` (1 + STACK,): count and rows
     of the media that the light or the camera stands in. ``receivers`` (M,) bool: the
-    materials that photons are stored on. ``first_hits``: None when no layer needs it.
+    materials that photons are stored on; ``glass`` (M,) those that camera paths may split at.
+    ``first_hits``: None when no layer needs it.
     ``face_object`` (F,) i4.
     """
 
@@ -48,6 +50,7 @@ class Prepared(NamedTuple):
     shading: ShadingTables
     has_sieves: bool
     receivers: NDArray[np.bool_]
+    glass: NDArray[np.bool_]
     first_hits: FirstHitTables | None = None
 
     def lobe_room(self, surfaces: int) -> NDArray[np.void]:
@@ -97,6 +100,7 @@ def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prep
         shading=shading_tables(scene),
         has_sieves=_has_sieves(scene, mesh),
         receivers=receiver_materials(scene),
+        glass=smooth_glass(materials, scene.lobes),
         first_hits=FirstHitTables.of(scene, centre.origin) if settings.first_hit else None,
     )
 

@@ -46,6 +46,8 @@ class Settings:
     and so many caustic photons if their count is -1 (``balance``); depths count surface
     interactions.
     ``alpha``: how slowly the caustic discs shrink from pass to pass, 1 keeps them.
+    Camera paths split at smooth glass at their first ``split_depth`` events, into branches
+    that carry ``split_least`` at least (``camera_pass/tree``); 0: one is drawn by chance.
     ``min_throughput``: camera paths that carry less are ended. ``region`` is
     (x0, y0, x1, y1) in pixels, row 0 at the bottom, None for the whole image.
     ``exposure`` is a factor on the light of the film's layers. ``first_hit``: layers of
@@ -75,6 +77,8 @@ class Settings:
     camera_depth: int = 32
     photon_depth: int = 32
     min_throughput: float = 1e-4
+    split_depth: int = 1
+    split_least: float = 0.1
     caustic_radius: float = 2.0
     alpha: float = 2.0 / 3.0
     pixel_filter: PixelFilter = "BLACKMAN_HARRIS"
@@ -159,6 +163,8 @@ _RANGES: dict[str, tuple[float, float]] = {
     "camera_depth": (1, 1024),
     "photon_depth": (1, 1024),
     "min_throughput": (0, 1),
+    "split_depth": (0, 16),
+    "split_least": (1e-6, 1),
     "caustic_radius": (0.1, 1000),
     "alpha": (0.01, 1),
     "filter_width": (0.01, 100),

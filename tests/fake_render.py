@@ -56,6 +56,7 @@ class FakeUpdate:
     seconds: float = 0.0
     error: StatedError = UNKNOWN
     setup_seconds: float = 0.5
+    photon_bytes: int = 0
     message: str = ""
     plan: SimpleNamespace = field(default_factory=lambda: PLAN)
 

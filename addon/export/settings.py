@@ -19,6 +19,8 @@ FIELDS = (
     "camera_depth",
     "photon_depth",
     "min_throughput",
+    "split_depth",
+    "split_least",
     "caustic_radius",
     "alpha",
     "photon_memory",

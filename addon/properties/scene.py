@@ -139,6 +139,24 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
         max=1_000_000,
         soft_max=65_536,
     )
+    split_depth: IntProperty(  # type: ignore[valid-type]
+        name="Split at Glass",
+        description="So many first events of a camera path are followed both ways, reflected "
+        "and refracted, if they are at smooth glass; at others one is chosen at random",
+        default=_DEFAULT.split_depth,
+        min=0,
+        max=16,
+    )
+    split_least: FloatProperty(  # type: ignore[valid-type]
+        name="Least Weight",
+        description="Ways that would carry less of the pixel's light than this are followed at "
+        "random, and then carry so much",
+        default=_DEFAULT.split_least,
+        min=1e-6,
+        max=1.0,
+        precision=3,
+        step=1,
+    )
     shadow_photons: IntProperty(  # type: ignore[valid-type]
         name="Shadow Photons",
         description="Straight paths from the lamps, once a render, that spare shadow rays "

@@ -28,6 +28,8 @@ SETTINGS = (
     "camera_depth",
     "photon_depth",
     "min_throughput",
+    "split_depth",
+    "split_least",
 )
 
 

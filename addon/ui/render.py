@@ -73,6 +73,10 @@ class PHOTONMAP_RENDER_PT_paths(RenderPanel, bpy.types.Panel):
         depths.prop(settings, "camera_depth")
         depths.prop(settings, "photon_depth")
         column.prop(settings, "min_throughput")
+        splits = column.column(align=True)
+        splits.prop(settings, "split_depth")
+        if settings.split_depth:
+            splits.prop(settings, "split_least")
 
 
 class PHOTONMAP_RENDER_PT_film(RenderPanel, bpy.types.Panel):

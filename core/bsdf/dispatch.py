@@ -11,9 +11,13 @@ normal on the side of ``wo``; all directions point away from the surface.
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..geometry.vector import Vector, add, dot, scale, vector
 from ..jit import Row, Table, kernel
 from ..scene.tables import Visibility
+from .fresnel import fresnel_dielectric, reflect, refract
 from .lobe import (
     DIELECTRIC,
     DIFFUSE,
@@ -203,6 +207,41 @@ def _eta_of(lobe: Row, entering: bool, n_around: float) -> float:
     if lobe.model == DIELECTRIC or lobe.model == REFRACTION:
         return lobe.ior / n_around if entering else n_around / lobe.ior
     return 1.0
+
+
+def smooth_glass(materials: NDArray[np.void], lobes: NDArray[np.void]) -> NDArray[np.bool_]:
+    """Which ``materials`` (M,) are smooth glass and nothing else, the same everywhere."""
+    only = (materials["lobe_count"] == 1) & (materials["closure_count"] == 0)
+    only &= materials["passes"] == 0
+    only &= (materials["normal_texture"] < 0) & (materials["bump_texture"] < 0)
+    only[only] = lobes["model"][materials["lobe_start"][only]] == DIELECTRIC
+    return np.asarray(only)
+
+
+@kernel
+def reflected_share(
+    surface: Row,
+    lobes: Table,
+    n: Vector,
+    ng: Vector,
+    wo: Vector,
+    entering: bool,
+    n_around: float,
+) -> float:
+    """Share that smooth glass, the only lobe there, reflects: the chance of ``sample_part``.
+
+    0 where one of the two branches is not there, and where a shading normal would send one
+    through the face ``ng``.
+    """
+    if dot(n, wo) <= 0.0:
+        return 0.0
+    eta = _eta_of(lobes[surface.lobe_start], entering, n_around)
+    share, cos_t = fresnel_dielectric(dot(wo, n), eta)
+    if share >= 1.0 or cos_t <= 0.0:
+        return 0.0
+    if dot(reflect(wo, n), ng) <= 0.0 or dot(refract(wo, n, eta, cos_t), ng) >= 0.0:
+        return 0.0
+    return share
 
 
 @kernel

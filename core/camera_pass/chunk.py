@@ -24,11 +24,12 @@ from .caustics import gather_caustics
 from .density import DensityMaps, count_photons
 from .first_hit import step_first_hits
 from .indirect import gather_indirect, gather_order, start_gather
-from .kinds import KindLight, sum_rays
+from .kinds import KindLight, add_rows
 from .next_event import light_directly
 from .patches import own_patches
 from .paths import start_paths, step_paths
 from .records import PATH, VERTEX
+from .tree import split, thin_out
 
 
 class Region(NamedTuple):
@@ -127,8 +128,10 @@ def trace_chunk(
     """Render ``pixels`` of ``region`` in pass ``i`` with the photons of ``maps``."""
     samples = np.zeros(pixels.count, SAMPLE)
     rays = Rays(prepared, pixels.count)
-    kinds = KindLight(pixels.count) if settings.light_kinds else None
+    kinds = KindLight(samples) if settings.light_kinds else None
     lit = trace_camera(prepared, settings, region, i, pixels, rays, samples, kinds)
+    if kinds:
+        samples = kinds.samples
     rays.traced += light_directly(prepared, settings, i, lit, maps.shadows, samples, kinds)
     ends = wide_only(lit)
     gathered = 0
@@ -140,8 +143,12 @@ def trace_chunk(
         first_hits, traced = trace_first_hits(prepared, settings, region, i, pixels)
         rays.traced += traced
         if maps.counted is not None:
-            count_photons(prepared, maps, maps.counted, ends.vertices, first_hits)
-    by_kind = kinds.finished(samples) if kinds else None
+            slots = ends.vertices["slot"]
+            at = kinds.pixel[slots] if kinds else slots
+            count_photons(prepared, maps, maps.counted, ends.vertices, at, first_hits)
+    by_kind = None
+    if kinds:
+        samples, by_kind = kinds.finished()
     return Chunk(pixels, samples, rays.traced, gathered, first_hits, by_kind)
 
 
@@ -158,26 +165,18 @@ def _gather(
     if maps.caustic is not None:
         asked = (prepared.camera, maps.caustic, maps.caustic_borders, maps.caustic_radii)
         gather_caustics(
-            ends.lobes,
-            *asked,
-            maps.crowd,
-            ends.vertices,
-            len(ends.vertices),
-            samples,
+            ends.lobes, *asked, maps.crowd, ends.vertices, len(ends.vertices), samples,
             np.zeros(SIGHT),
-        )
+        )  # fmt: skip
         if kinds:
-            kinds.add_caustics(ends, *asked, samples)
+            kinds.add_caustics(ends, *asked)
     rays = Rays(prepared, len(ends.vertices) * settings.rays_each)
     count = _start_gather(prepared, settings, i, ends, rays)
     rows = samples
     if kinds:
         # Each ray adds to a row of its own.
         rows = np.zeros(count, SAMPLE)
-        slots, directions = (
-            rays.paths["slot"][:count].copy(),
-            rays.paths["direction"][:count].copy(),
-        )
+        slots, directions = (rays.paths[name][:count].copy() for name in ("slot", "direction"))
         rays.paths["slot"][:count] = np.arange(count)
     far = _follow(prepared, settings, i, rays, count, True, rows)
     if maps.global_ is not None:
@@ -191,7 +190,7 @@ def _gather(
         at[ends.vertices["slot"]] = np.arange(len(ends.vertices))
         kinds.add(ends, at[slots], directions, rows["direct"].copy(), False)
         kinds.add(ends, at[slots], directions, rows["indirect"].copy(), True)
-        sum_rays(samples, slots, rows)
+        add_rows(samples, slots, rows, ("direct", "indirect", "shrink"))
     return rays.traced
 
 
@@ -247,7 +246,7 @@ def trace_camera(
     )  # fmt: skip
     lit = _follow(prepared, settings, i, rays, pixels.count, False, samples, kinds)
     if kinds:
-        kinds.end_camera(samples)
+        kinds.end_camera()
     return lit
 
 
@@ -283,9 +282,16 @@ def _follow(
     parts: list[NDArray[np.void]] = []
     own = len(prepared.lobes)
     tables, filled = [prepared.lobes], own
+    splits = settings.split_depth > 0 and not gather and bool(prepared.glass.any())
     while count:
         rays.traced += count
         hits = prepared.intersector.nearest(rays.origins[:count], rays.directions[:count])
+        if splits:
+            old = count
+            hits, count = split(prepared, settings, rays, hits, count)
+            if kinds:
+                kinds.add_branches(rays.paths[old:count])
+                samples = kinds.samples
         vertices = np.zeros(count, VERTEX)
         if kinds:
             kinds.begin(rays.paths[:count])
@@ -296,10 +302,10 @@ def _follow(
             rays.origins, rays.directions, rays.paths, vertices, samples,
         )  # fmt: skip
         if kinds:
-            kinds.end(rays.paths[:count], samples)
+            kinds.end(rays.paths[:count])
         if not lit:
             continue
-        vertices = vertices[:lit]
+        vertices = vertices[: thin_out(vertices[:lit]) if splits else lit]
         if used > own:
             # The lobes worked out in this step move behind those of the steps before.
             start = vertices["lobe_start"]

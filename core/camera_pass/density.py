@@ -6,7 +6,7 @@ each: so a picture is dark where a render has to guess its light from few photon
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,16 +49,17 @@ def count_photons(
     maps: PhotonMaps,
     counted: DensityMaps,
     vertices: NDArray[np.void],
+    at: NDArray[Any],
     rows: NDArray[np.void],
 ) -> None:
-    """Density of the photons in the discs at ``vertices``, into ``FIRST_HIT`` rows."""
+    """Density of the photons in the discs at ``vertices``, into ``FIRST_HIT`` rows ``at``."""
     sight, radii = np.zeros(SIGHT), np.full(len(vertices), maps.global_radius)
-    np.add.at(rows["gathered"], vertices["slot"], 1.0)
+    np.add.at(rows["gathered"], at, vertices["portion"])
     if counted.global_ is not None:
-        add_density(counted.global_, maps.global_borders, radii, vertices, rows, sight)
+        add_density(counted.global_, maps.global_borders, radii, vertices, at, rows, sight)
     if counted.caustic is not None:
         crowded_radii(prepared.camera, maps.caustic_radii, maps.crowd, vertices, radii, sight)
-        add_density(counted.caustic, maps.caustic_borders, radii, vertices, rows, sight)
+        add_density(counted.caustic, maps.caustic_borders, radii, vertices, at, rows, sight)
 
 
 @kernel
@@ -74,11 +75,18 @@ def crowded_radii(
 
 @kernel
 def add_density(
-    photon_map: Row, borders: Row, radii: Table, vertices: Table, rows: Table, sight: Table
+    photon_map: Row,
+    borders: Row,
+    radii: Table,
+    vertices: Table,
+    at: Table,
+    rows: Table,
+    sight: Table,
 ) -> None:
     """Add the photons per area [1/m^2] in discs of ``radii`` (n,) at ``vertices`` (n,).
 
-    ``photon_map`` is one of ``DensityMaps``; ``sight`` (SIGHT,) is overwritten.
+    Ends of branches count by their portion, in rows ``at`` (n,). ``photon_map`` is one of
+    ``DensityMaps``; ``sight`` (SIGHT,) is overwritten.
     """
     for k in range(len(vertices)):
         vertex = vertices[k]
@@ -86,4 +94,4 @@ def add_density(
         outside = vertex.entering != 0
         _, share, _ = look_around(borders, p, ng, outside, radii[k], sight)
         density, _, _ = gather_irradiance(photon_map, p, ng, radii[k], sight)
-        rows[vertex.slot].photon_density += density[0] / share
+        rows[at[k]].photon_density += vertex.portion * density[0] / share

@@ -49,7 +49,7 @@ def sample_direct(
     Next-event estimation with multiple importance sampling. Writes compact rows: rays
     (n, 3) f4 with ``lengths`` in multiples of the direction, ``slots``, ``radiance``
     (n, 3), ``asking`` the vertices and ``entries`` the lights. Returns their number.
-    ``rays_each``: gather rays per vertex, the other technique.
+    ``rays_each``: gather rays of a whole path's vertex, the other technique.
     """
     out = 0
     for k in range(count):
@@ -79,7 +79,7 @@ def sample_direct(
         if not delta and shadow:
             pdf_bsdf = pdf_part(vertex, lobes, ns, vector(vertex.wo), wi, vertex.part)
             if vertex.part == WIDE:
-                pdf_bsdf *= rays_each
+                pdf_bsdf *= rays_each * vertex.portion
             weight *= power_heuristic(pdf_w * prob, pdf_bsdf)
         o = leave(p, ng, wi, vertex.offset)
         d = wi

@@ -17,7 +17,7 @@ from ..photons.cells import bucket_of, cell_key
 from ..photons.photon_map import PhotonMap
 from ..sampling.rng import camera_2d, mix, uniform
 from .patches import add_shared
-from .records import GATHER, GATHER_LOBE, GATHER_STEP
+from .records import GATHER, GATHER_LOBE, GATHER_NUMBER, GATHER_STEP
 
 #: Photons that a processor's cache holds beside the rest [bytes].
 _LARGE = 4 << 20
@@ -37,12 +37,17 @@ def start_gather(
 ) -> int:
     """``rays_each`` rays from each vertex, drawn from its BSDF; returns how many there are.
 
-    A path's ``pdf_w`` is the density of all of a vertex's rays together.
+    A branch of a path that was split sends its portion of them, in the mean. A path's
+    ``pdf_w`` is the density of all of a vertex's rays together.
     """
     out = 0
     for k in range(count):
         vertex = vertices[k]
-        for j in range(rays_each):
+        wanted = rays_each * vertex.portion
+        sent = rays_each
+        if vertex.portion < 1.0:
+            sent = int(wanted + uniform(vertex.key, GATHER_NUMBER))
+        for j in range(sent):
             u, v = camera_2d(i, vertex.pixel_key, GATHER, j, rays_each)
             u_lobe = uniform(vertex.key, GATHER_LOBE + GATHER_STEP * j)
             wi, weight, pdf_w, transmitted, eta = scatter(
@@ -50,7 +55,7 @@ def start_gather(
             )
             if not max(weight) > 0.0:
                 continue
-            share = 1.0 / rays_each
+            share = 1.0 / wanted
             path = paths[out]
             copy_media(path, vertex)
             if transmitted:
@@ -62,10 +67,11 @@ def start_gather(
             path.slot = vertex.slot
             path.depth = vertex.depth
             path.steps = 0
+            path.forced = 0
             path.event = part_bit(vertex, lobes, WIDE, transmitted)
             path.length = vertex.length
             path.since = 0.0
-            path.pdf_w = pdf_w * rays_each
+            path.pdf_w = pdf_w * wanted
             path.beta[0] = vertex.beta[0] * weight[0] * share
             path.beta[1] = vertex.beta[1] * weight[1] * share
             path.beta[2] = vertex.beta[2] * weight[2] * share

@@ -2,21 +2,22 @@
 
 Kinds are those of ``bsdf.kinds``. Light is direct when the first surface is the only one
 that scattered it, as in Cycles; caustics are indirect. The light's kernels know nothing of
-this: each step of the camera's paths, which are one a pixel, and each gather ray adds to rows
-of its own, and what comes together there has one history. Only where several kinds of a
-first surface share a sample is the BSDF asked once more.
+this: each step of a camera's path or of a branch of it, and each gather ray adds to a row of
+its own, and what comes together there has one history. Only where several kinds of a first
+surface share a sample is the BSDF asked once more.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bsdf.dispatch import is_twosided
 from ..bsdf.kinds import GLOSSY_KIND, TRANSMITTED_KIND, eval_kinds, one_kind
-from ..film.layers import KIND_LAYERS
+from ..film.layers import KIND_LAYERS, LIGHT_LAYERS
 from ..geometry.vector import Vector, dot, scale, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR
@@ -38,10 +39,17 @@ _UNKNOWN = -1
 
 
 class KindLight:
-    """The light of one chunk's ``count`` pixels by kind: ``out`` (count, 6, 3)."""
+    """The light of one chunk's ``samples`` (n,) by kind: ``out`` (n, 6, 3).
 
-    def __init__(self, count: int) -> None:
+    Branches of split paths have more rows in both while they are under way.
+    """
+
+    def __init__(self, samples: NDArray[np.void]) -> None:
+        self._pixels = count = len(samples)
+        self.samples = samples
         self.out = np.zeros((count, 2 * _KINDS, 3))
+        #: Pixel that each row belongs to.
+        self.pixel = np.arange(count)
         #: What the camera's paths have done so far, and what they have seen.
         self._kind = np.full(count, _UNKNOWN, np.int32)
         self._depth = np.zeros(count, np.int32)
@@ -49,13 +57,27 @@ class KindLight:
         self._emission = np.zeros((count, 3))
         self._direct = np.zeros((count, 3))
 
+    def add_branches(self, paths: NDArray[np.void]) -> None:
+        """Give ``paths``, which have just been split off, rows of their own."""
+        if not len(paths):
+            return
+        parents = paths["slot"].copy()
+        paths["slot"] = len(self.out) + np.arange(len(parents))
+        self.samples = _longer(self.samples, len(parents))
+        self.out = _longer(self.out, len(parents))
+        self._emission = _longer(self._emission, len(parents))
+        self._direct = _longer(self._direct, len(parents))
+        self.pixel = np.concatenate([self.pixel, self.pixel[parents]])
+        self._kind = np.concatenate([self._kind, self._kind[parents]])
+        self._depth = np.concatenate([self._depth, self._depth[parents]])
+
     def begin(self, paths: NDArray[np.void]) -> None:
         """The camera's ``paths`` are about to make a step."""
         self._under_way = paths["slot"].copy()
 
-    def end(self, paths: NDArray[np.void], samples: NDArray[np.void]) -> None:
+    def end(self, paths: NDArray[np.void]) -> None:
         """Take over what the step has added to ``samples``; ``paths`` go on."""
-        slots = self._under_way
+        slots, samples = self._under_way, self.samples
         emission, direct = samples["emission"][slots], samples["direct"][slots]
         kind, depth = self._kind[slots], self._depth[slots]
         seen = kind != _UNKNOWN
@@ -72,10 +94,10 @@ class KindLight:
         through = turned == int(Visibility.TRANSMISSION)
         self._kind[first] = np.where(through, TRANSMITTED_KIND, GLOSSY_KIND)
 
-    def end_camera(self, samples: NDArray[np.void]) -> None:
+    def end_camera(self) -> None:
         """The camera's paths have ended: their samples get back what they have seen."""
-        samples["emission"] += self._emission
-        samples["direct"] += self._direct
+        self.samples["emission"] += self._emission
+        self.samples["direct"] += self._direct
 
     def add(
         self,
@@ -99,27 +121,39 @@ class KindLight:
         photon_map: PhotonMap,
         borders: BorderGrid,
         radii: tuple[float, float, float],
-        samples: NDArray[np.void],
     ) -> None:
         """Share out the caustics of ``samples``, which were gathered at ``lit`` alone."""
         split_caustics(
-            lit.lobes, camera, photon_map, borders, radii, lit.vertices, self._kind, samples,
-            np.zeros(SIGHT), self.out,
+            lit.lobes, camera, photon_map, borders, radii, lit.vertices, self._kind,
+            self.samples, np.zeros(SIGHT), self.out,
         )  # fmt: skip
 
-    def finished(self, samples: NDArray[np.void]) -> NDArray[np.float64]:
-        """``out``, black where the film will take the sample for black."""
-        numbers = samples.view(np.float64).reshape(len(samples), -1)
-        whole = np.isfinite(numbers).all(axis=1) & np.isfinite(self.out).all(axis=(1, 2))
-        self.out[~whole] = 0.0
-        return self.out
+    def finished(self) -> tuple[NDArray[np.void], NDArray[np.float64]]:
+        """``samples`` and ``out`` of the pixels, black where the film will be."""
+        count = self._pixels
+        samples, out = self.samples[:count], self.out[:count]
+        pixel = self.pixel[count:]
+        add_rows(samples, pixel, self.samples[count:], (*LIGHT_LAYERS, "albedo", "shrink"))
+        np.add.at(out, pixel, self.out[count:])
+        numbers = samples.view(np.float64).reshape(count, -1)
+        whole = np.isfinite(numbers).all(axis=1) & np.isfinite(out).all(axis=(1, 2))
+        out[~whole] = 0.0
+        return samples, out
 
 
-def sum_rays(
-    samples: NDArray[np.void], slots: NDArray[np.int32], rows: NDArray[np.void]
+def _longer(table: NDArray[Any], more: int) -> NDArray[Any]:
+    """``table`` with ``more`` rows of zeros behind it."""
+    return np.concatenate([table, np.zeros((more, *table.shape[1:]), table.dtype)])
+
+
+def add_rows(
+    samples: NDArray[np.void],
+    slots: NDArray[Any],
+    rows: NDArray[np.void],
+    layers: Sequence[str],
 ) -> None:
-    """Add to the ``samples`` of pixels what the ``rows`` of their gather rays have got."""
-    for name in ("direct", "indirect", "shrink"):
+    """Add ``layers`` of ``rows`` to the ``samples`` in ``slots``."""
+    for name in layers:
         for c in range(3):
             light = np.ascontiguousarray(rows[name][:, c])
             samples[name][:, c] += np.bincount(slots, light, len(samples))

@@ -21,6 +21,7 @@ from .records import (
     CHAIN_STEP,
     FILTER,
     LENS,
+    REFLECTED,
     STEP_AROUND,
     STEP_EVENT,
     STEP_LOBE,
@@ -32,6 +33,8 @@ _CAMERA_BIT = int(Visibility.CAMERA)
 _HOLDOUT = int(Visibility.HOLDOUT)
 #: Surfaces that a path may meet, those it goes straight through included.
 MOST_STEPS = 4096
+#: A number that is never below the share that glass reflects, total reflection apart.
+_REFRACTING = 1.0 - 1e-15
 
 
 @kernel
@@ -71,6 +74,8 @@ def start_paths(
         path.slot = k
         path.depth = 0
         path.steps = 0
+        path.forced = 0
+        path.portion = 1.0
         path.event = _CAMERA_BIT
         path.length = before
         path.reach = reach
@@ -157,6 +162,7 @@ def _light_here(vertex: Row, path: Row, hit: Row, part: int, share: float) -> No
     vertex.lobe_start = path.lobe_start
     vertex.lobe_count = path.lobe_count
     vertex.entering = hit.entering
+    vertex.portion = path.portion
     vertex.offset = hit.offset
     vertex.length = path.length
     store(vertex.p, vector(hit.p))
@@ -169,10 +175,17 @@ def _light_here(vertex: Row, path: Row, hit: Row, part: int, share: float) -> No
 
 @kernel
 def choices(path: Row, gather: bool, i: int, base: int) -> tuple[float, float]:
-    """Numbers for stopping and for the event: stratified over passes on camera chains."""
+    """Numbers for stopping and for the event: stratified over passes on camera chains.
+
+    A branch of a split path does what it is there for.
+    """
     if gather:
         return uniform(path.key, base), uniform(path.key, base + STEP_EVENT)
-    return camera_2d(i, path.pixel_key, base)
+    u_stop, u_event = camera_2d(i, path.pixel_key, base)
+    if path.forced != 0:
+        u_event = 0.0 if path.forced == REFLECTED else _REFRACTING
+        path.forced = 0
+    return u_stop, u_event
 
 
 @kernel

@@ -6,6 +6,8 @@ import numpy as np
 
 from ..geometry.media import STACK
 
+REFLECTED, REFRACTED = 1, -1
+
 _MEDIA = [("media_count", "i4"), ("media", "i4", STACK)]
 
 #: A camera path on a chain of narrow scattering. ``slot``: its row among the chunk's
@@ -14,7 +16,9 @@ _MEDIA = [("media_count", "i4"), ("media", "i4", STACK)]
 #: included; ``reach``: how far a camera ray sees [m]. ``origin``, ``normal``: its last
 #: event, ``since`` the way from there [m], ``pdf_w`` the density of its direction where
 #: light sampling was the other technique, else 0. ``lobe_start`` and ``lobe_count``: the
-#: lobes of the surface that it is on.
+#: lobes of the surface that it is on. ``forced``: what it does at the next event where that
+#: was split (``tree``), 0 for what chance says; ``portion``: the part of the path that it is,
+#: and of the gather rays that it may send.
 PATH = np.dtype(
     [
         ("key", "u8"),
@@ -23,6 +27,8 @@ PATH = np.dtype(
         ("depth", "i4"),
         ("steps", "i4"),
         ("event", "i4"),
+        ("forced", "i4"),
+        ("portion", "f8"),
         ("beta", "f8", 3),
         ("direction", "f8", 3),
         ("length", "f8"),
@@ -40,7 +46,7 @@ PATH = np.dtype(
 
 #: A vertex that is lit. ``part``: WIDE at the end of a chain, where photons are gathered
 #: too, NARROW where the chain goes on. ``row``: material, ``lobe_start`` and ``lobe_count``:
-#: its lobes there; ``offset`` and ``entering``: see ``interact``.
+#: its lobes there; ``offset`` and ``entering``: see ``interact``; ``portion``: its path's.
 VERTEX = np.dtype(
     [
         ("key", "u8"),
@@ -52,6 +58,7 @@ VERTEX = np.dtype(
         ("lobe_start", "i4"),
         ("lobe_count", "i4"),
         ("entering", "i4"),
+        ("portion", "f8"),
         ("offset", "f8"),
         ("length", "f8"),
         ("p", "f8", 3),
@@ -74,6 +81,9 @@ CHAIN = 16
 CHAIN_STEP = 8
 GATHER_LOBE = 1 << 20
 GATHER_STEP = 1
+GATHER_NUMBER = 1 << 21
+THIN = GATHER_NUMBER + 1
+SPLIT = 1 << 22
 # Within a step of a chain: stop or go on (a pair), lobe, event, and going straight through.
 STEP_LOBE = 1
 STEP_EVENT = 2

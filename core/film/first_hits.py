@@ -124,7 +124,7 @@ class FirstHits:
             return ranked(*self._mattes[layer], self._count)
         total = self._sum[layer]
         if layer == DENSITY_LAYER:
-            return total / np.maximum(self._gathered, 1)[:, None]
+            return total / np.where(self._gathered > 0.0, self._gathered, 1.0)[:, None]
         if layer in ("end_normal", "end_depth"):
             return total / np.maximum(self._ended, 1)[:, None]
         mean = total / np.maximum(self._count, 1)[:, None]
