@@ -29,7 +29,7 @@ from .arguments import (
     warn,
 )
 from .core.file_replace import replacing
-from .core.film.layers import DENSITY_LAYER
+from .core.film.layers import DENSITY_LAYER, aov_layer
 from .core.report import ErrorCurve, render_report
 from .core.scene.dump import save_scene
 from .core.settings import Settings
@@ -259,6 +259,7 @@ def _render_to(
         if ".exr" in parts:
             film = result.update.film
             asked = [DENSITY_LAYER] if DENSITY_LAYER in result.settings.first_hit else []
+            asked += map(aov_layer, result.settings.aovs)
             layers = {layer: film.resolve(layer) for layer in (*film.LAYERS, *asked)}
             write_exr(parts[".exr"], layers, _details(result.update), _frame(result))
         if report is not None:

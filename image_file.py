@@ -41,9 +41,9 @@ def write_exr(
 
     ``combined`` becomes R G B A (premultiplied), ``depth`` ``depth.Z``, ``error``
     ``error.V``, ``photon_density`` ``photon_density.V``, ``normal`` ``normal.X/.Y/.Z``, every
-    other layer ``<layer>.R/.G/.B``. ``metadata`` becomes string attributes. ``frame`` says
-    where in a larger image the layers lie: they become the data window, and the larger image
-    the display window.
+    other layer ``<layer>.R/.G/.B``, and ``.A`` where it has four channels. ``metadata`` becomes
+    string attributes. ``frame`` says where in a larger image the layers lie: they become the
+    data window, and the larger image the display window.
     Raises ``OSError`` when the file cannot be written.
     """
     import OpenEXR
@@ -51,7 +51,7 @@ def write_exr(
     channels: dict[str, NDArray[np.float32]] = {}
     for layer, pixels in layers.items():
         prefix = "" if layer == "combined" else f"{layer}."
-        letters = _CHANNELS.get(layer, "RGB")
+        letters = _CHANNELS.get(layer, "RGBA" if pixels.shape[2:] == (4,) else "RGB")
         if pixels.ndim != 3 or pixels.shape[2] != len(letters):
             raise ValueError(f"layer '{layer}' of shape {pixels.shape}, wanted {letters}")
         for index, letter in enumerate(letters):

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
 
+from .export.aovs import wanted_aovs
+
 if TYPE_CHECKING:
     from ..core import LightGroup
 
@@ -123,6 +125,13 @@ GROUPS: tuple[RenderPass, ...] = (
 )
 
 
+#: Values of the user's own, colours with how much has one, or numbers: by the user's name.
+AOVS: tuple[RenderPass, ...] = (
+    RenderPass("aov", "Shader AOV", "Shader AOV", "RGBA", "COLOR", ""),
+    RenderPass("aov", "Shader AOV", "Shader AOV", "X", "VALUE", ""),
+)
+
+
 def pass_name(entry: RenderPass) -> str:
     """The name in the running Blender."""
     return entry.name if bpy.app.version >= (5, 0, 0) else entry.old_name
@@ -147,6 +156,19 @@ def active_passes(view_layer: Any) -> Iterator[RenderPass]:
                 name = f"{entry.name}{k:02d}"
                 yield entry._replace(name=name, old_name=name, first=4 * k)
     yield from _group_passes(view_layer)
+    yield from _aov_passes(view_layer)
+
+
+def _aov_passes(view_layer: Any) -> Iterator[RenderPass]:
+    """The values of AOV Output nodes."""
+    wanted = wanted_aovs(view_layer)
+    if not wanted:
+        return
+    from ..core import aov_layer
+
+    for entry in AOVS:
+        for name in (name for name, kind in wanted.items() if kind == entry.kind):
+            yield entry._replace(layer=aov_layer(name), name=name, old_name=name)
 
 
 def _group_passes(view_layer: Any) -> Iterator[RenderPass]:
@@ -201,6 +223,7 @@ def asked_settings(depsgraph: Any) -> dict[str, Any]:
         "matte_ranks": matte_ranks(view_layer),
         "light_kinds": light_kinds,
         "light_groups": _light_groups(depsgraph),
+        "aovs": tuple(wanted_aovs(view_layer)),
     }
 
 

@@ -13,7 +13,13 @@ if TYPE_CHECKING:
     from .baking.bake import bake
     from .diagnosis import Finding, why_no_caustic
     from .film.film import Film
-    from .film.layers import FIRST_HIT_LAYERS, KIND_COLORS, KIND_LAYERS, group_layer
+    from .film.layers import (
+        FIRST_HIT_LAYERS,
+        KIND_COLORS,
+        KIND_LAYERS,
+        aov_layer,
+        group_layer,
+    )
     from .film.mattes import name_bits
     from .kept import Kept
     from .photon_shades import photon_colours, photon_legend, power_scale
@@ -45,6 +51,7 @@ _HOMES = {
     "SettingsError": ".settings",
     "Update": ".update",
     "ViewedPass": ".viewed_pass",
+    "aov_layer": ".film.layers",
     "bake": ".baking.bake",
     "completed": ".report",
     "group_layer": ".film.layers",
@@ -74,6 +81,7 @@ __all__ = [
     "SettingsError",
     "Update",
     "ViewedPass",
+    "aov_layer",
     "bake",
     "completed",
     "group_layer",

@@ -101,7 +101,7 @@ def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prep
         has_sieves=_has_sieves(scene, mesh),
         receivers=receiver_materials(scene),
         glass=smooth_glass(materials, scene.lobes),
-        first_hits=FirstHitTables.of(scene, centre.origin) if settings.first_hit else None,
+        first_hits=_first_hits(scene, settings, centre),
     )
 
 
@@ -113,12 +113,16 @@ def with_camera(
     camera, camera_media = _seen_from(
         scene, settings, prepared.centre, intersector, prepared.mesh, prepared.materials
     )
-    first_hits = None
-    if settings.first_hit:
-        first_hits = FirstHitTables.of(scene, prepared.centre.origin)
+    first_hits = _first_hits(scene, settings, prepared.centre)
     return prepared._replace(
         intersector=intersector, camera=camera, camera_media=camera_media, first_hits=first_hits
     )
+
+
+def _first_hits(scene: Scene, settings: Settings, centre: Centre) -> FirstHitTables | None:
+    if not settings.first_hit and not settings.aovs:
+        return None
+    return FirstHitTables.of(scene, centre.origin, settings.aovs)
 
 
 def _seen_from(

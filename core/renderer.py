@@ -101,6 +101,7 @@ class _Render:
         return Film(
             width, height, settings.exposure, settings.first_hit, settings.matte_ranks,
             settings.light_kinds, tuple(group.name for group in settings.light_groups),
+            settings.aovs,
         )  # fmt: skip
 
     def updates(self) -> Iterator[Update]:
@@ -195,7 +196,7 @@ class _Render:
         film = self._film(pixels.count, 1)
         for i in range(2):
             film.add(i, 0, chunk.samples)
-            film.add_asked(i, 0, chunk.first_hits, chunk.kinds)
+            film.add_asked(i, 0, chunk.first_hits, chunk.kinds, chunk.aovs)
         film.stated_error()
 
     def _balance(
@@ -288,7 +289,7 @@ class _Render:
         whole, groups = chunk
         start = whole.pixels.start
         self.film.add(i, start, whole.samples)
-        self.film.add_asked(i, start, whole.first_hits, whole.kinds)
+        self.film.add_asked(i, start, whole.first_hits, whole.kinds, whole.aovs)
         self.film.add_groups(start, groups)
         self.film.statistics.rays += whole.rays
 

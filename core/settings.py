@@ -54,6 +54,7 @@ class Settings:
     ``film.first_hits.LAYERS`` to render beside the light; mattes keep ``matte_ranks`` names.
     ``light_kinds``: whether the light is kept by kind as well (``film.layers.KIND_LAYERS``),
     which needs their colours.
+    ``aovs``: names of the scene's AOVs to have layers (``film.layers.aov_layer``).
     ``light_groups``: lights to have layers of their own (``film.layers.group_layer``).
     ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
     at a time) changes a bit of the result.
@@ -93,6 +94,7 @@ class Settings:
     matte_ranks: int = 6
     light_kinds: bool = False
     light_groups: tuple[LightGroup, ...] = ()
+    aovs: tuple[str, ...] = ()
     photon_memory: int = 4096
     shadow_photons: int = 0
     shadow_lit: float = 0.1
@@ -127,6 +129,8 @@ class Settings:
         names = [group.name for group in self.light_groups]
         if len(set(names)) < len(names):
             raise SettingsError(f"light_groups: two of one name among {', '.join(names)}")
+        if len(set(self.aovs)) < len(self.aovs):
+            raise SettingsError(f"aovs: two of one name among {', '.join(self.aovs)}")
         if self.region is not None:
             x0, y0, x1, y1 = self.region
             if not (0 <= x0 < x1 and 0 <= y0 < y1):

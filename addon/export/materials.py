@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...core.scene.builder import SceneBuilder, diffuse
 from ..report import ExportLog
+from .aovs import material_aovs
 from .folding import ShaderFolder, Shading
 from .memory import ExportMemory
 from .nodes import shader_of, tree_of
@@ -33,10 +35,12 @@ class MaterialTable:
         log: ExportLog,
         override: Any = None,
         memory: ExportMemory | None = None,
+        aovs: Mapping[str, str] | None = None,
     ) -> None:
         self.builder = builder
         self.log = log
         self.override = override
+        self.aovs = aovs or {}
         self.pictures = PictureTable(builder, log, memory)
         self._rows: dict[int | None, int] = {}
         self._refracting: set[int] = set()
@@ -88,9 +92,9 @@ class MaterialTable:
             return self.builder.add_material(
                 material.name, [diffuse(color)], index=material.pass_index
             )
-        return self._add_shaders(material, tree.get_output_node("CYCLES"))
+        return self._add_shaders(material, tree, tree.get_output_node("CYCLES"))
 
-    def _add_shaders(self, material: Any, output: Any | None) -> int:
+    def _add_shaders(self, material: Any, tree: Any, output: Any | None) -> int:
         """Add a material by its nodes: as constant lobes where they say all there is."""
         name, owner = material.name, f"material '{material.name}'"
         if output is None:
@@ -102,6 +106,7 @@ class MaterialTable:
         reader = ValueReader(owner, self.log, self.pictures)
         shading = ShaderFolder(reader).fold(output.inputs["Surface"])
         others = self._body(reader, material, shading, output.inputs.get("Volume"))
+        others["aovs"] = material_aovs(reader, tree, self.aovs)
         lobes = shading.lobes()
         if lobes is not None:
             row = self.builder.add_material(name, lobes, shading.emission, **others)

@@ -72,8 +72,31 @@ class PHOTONMAP_VIEWLAYER_PT_light_groups(PhotonMapPanel, bpy.types.Panel):
         buttons.menu("VIEWLAYER_MT_lightgroup_sync", icon="DOWNARROW_HLT", text="")
 
 
+class PHOTONMAP_VIEWLAYER_PT_aovs(PhotonMapPanel, bpy.types.Panel):
+    """Values of AOV Output nodes, by Blender's own operators."""
+
+    bl_label = "Shader AOV"
+    bl_context = "view_layer"
+    bl_parent_id = "PHOTONMAP_VIEWLAYER_PT_passes"
+
+    def draw(self, context: Any) -> None:
+        view_layer = context.view_layer
+        row = self.layout.row()
+        row.template_list(
+            "VIEWLAYER_UL_aov", "photon_map_aovs", view_layer, "aovs", view_layer,
+            "active_aov_index", rows=3,
+        )  # fmt: skip
+        buttons = row.column(align=True)
+        buttons.operator("scene.view_layer_add_aov", icon="ADD", text="")
+        buttons.operator("scene.view_layer_remove_aov", icon="REMOVE", text="")
+        active = view_layer.active_aov
+        if active is not None and not active.is_valid:
+            self.layout.label(text="Conflicts with another pass of the same name", icon="ERROR")
+
+
 PANELS = (
     PHOTONMAP_VIEWLAYER_PT_passes,
     PHOTONMAP_VIEWLAYER_PT_cryptomatte,
     PHOTONMAP_VIEWLAYER_PT_light_groups,
+    PHOTONMAP_VIEWLAYER_PT_aovs,
 )

@@ -87,7 +87,8 @@ class Chunk(NamedTuple):
     """What a chunk brings: its pixels, one ``SAMPLE`` row each, rays traced.
 
     ``gathered``: those of the rays on gather paths. ``first_hits``: one ``FIRST_HIT`` row
-    each, ``kinds`` one (6, 3) of ``KIND_LAYERS``, None when no layer asks for them.
+    each, ``kinds`` one (6, 3) of ``KIND_LAYERS``, ``aovs`` one (A, 4), None when no layer asks
+    for them.
     """
 
     pixels: Pixels
@@ -96,6 +97,7 @@ class Chunk(NamedTuple):
     gathered: int = 0
     first_hits: NDArray[np.void] | None = None
     kinds: NDArray[np.float64] | None = None
+    aovs: NDArray[np.float64] | None = None
 
 
 class Rays:
@@ -138,9 +140,9 @@ def trace_chunk(
     if len(ends.vertices):
         gathered = _gather(prepared, settings, i, ends, maps, samples, kinds)
         rays.traced += gathered
-    first_hits = None
+    first_hits = aovs = None
     if prepared.first_hits is not None:
-        first_hits, traced = trace_first_hits(prepared, settings, region, i, pixels)
+        first_hits, aovs, traced = trace_first_hits(prepared, settings, region, i, pixels)
         rays.traced += traced
         if maps.counted is not None:
             slots = ends.vertices["slot"]
@@ -149,7 +151,7 @@ def trace_chunk(
     by_kind = None
     if kinds:
         samples, by_kind = kinds.finished()
-    return Chunk(pixels, samples, rays.traced, gathered, first_hits, by_kind)
+    return Chunk(pixels, samples, rays.traced, gathered, first_hits, by_kind, aovs)
 
 
 def _gather(
@@ -202,11 +204,12 @@ def wide_only(lit: Lit) -> Lit:
 
 def trace_first_hits(
     prepared: Prepared, settings: Settings, region: Region, i: int, pixels: Pixels
-) -> tuple[NDArray[np.void], int]:
-    """What the camera paths of pass ``i`` meet at once: (``FIRST_HIT`` rows, rays)."""
+) -> tuple[NDArray[np.void], NDArray[np.float64], int]:
+    """What the camera paths of pass ``i`` meet at once: (``FIRST_HIT`` rows, AOVs, rays)."""
     rows = np.zeros(pixels.count, FIRST_HIT)
-    if settings.first_hit == (DENSITY_LAYER,):
-        return rows, 0
+    aovs = np.zeros((pixels.count, len(settings.aovs), 4))
+    if settings.first_hit == (DENSITY_LAYER,) and not settings.aovs:
+        return rows, aovs, 0
     rays = Rays(prepared, pixels.count)
     start_paths(
         prepared.camera, prepared.camera_media, region.x0, region.y0, region.width,
@@ -223,9 +226,10 @@ def trace_first_hits(
             prepared.camera, prepared.first_hits, i, settings.transparent, deep,
             settings.camera_depth, settings.min_throughput, len(prepared.lobes), hits.face,
             hits.u, hits.v, rays.hits, count, rays.origins, rays.directions, rays.paths, rows,
+            aovs,
         )  # fmt: skip
     rows["seen_emission"] = rows["emission"]
-    return rows, rays.traced
+    return rows, aovs, rays.traced
 
 
 def trace_camera(

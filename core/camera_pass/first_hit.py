@@ -24,6 +24,7 @@ from ..lights.dispatch import FAR, visibility_of
 from ..lights.world import world_radiance
 from ..scene.tables import Visibility
 from ..textures.sampling import uv_at
+from .aovs import keep_aovs
 from .paths import (
     MOST_STEPS,
     absorb,
@@ -128,12 +129,15 @@ def _show(
     camera: Row,
     tables: Row,
     opacity: float,
+    aovs: Table,
 ) -> None:
     """A surface that the camera sees, perhaps through others."""
     eye = subtract(vector(hit.p), read(camera.position.reshape(1, 3), 0))
     depth = dot(eye, read(camera.axes, 2))
     beta = path.beta
     weight = opacity * (beta[0] + beta[1] + beta[2]) / 3.0
+    if row.found == 0.0:
+        keep_aovs(aovs, path, hit, shading, tables)
     if row.found == 0.0 and opacity >= _OPAQUE:
         _keep_single(row, hit, materials, tables, depth)
         _keep_uv(row, hit, shading, tables.shown_uv)
@@ -234,13 +238,13 @@ def step_first_hits(
     directions: Table,
     paths: Table,
     rows: Table,
+    aovs: Table,
 ) -> int:
     """One surface for each path, into ``rows`` (n,) ``FIRST_HIT``; how many go on.
 
-    ``deep``: mirrors and glass are followed. Others as in ``step_paths``.
+    ``aovs`` (n, A, 4); ``deep``: mirrors and glass are followed. Others as in ``step_paths``.
     """
-    alive = 0
-    hit = hits[0]
+    alive, hit = 0, hits[0]
     for k in range(count):
         path = paths[k]
         row = rows[path.slot]
@@ -267,7 +271,8 @@ def step_first_hits(
             passing = _passing(materials, path, hit, lobes)
             opacity = 1.0 - (passing[0] + passing[1] + passing[2]) / 3.0
             if first and not held:
-                _show(row, path, hit, materials, lobes, shading, camera, tables, opacity)
+                seen = aovs[path.slot]
+                _show(row, path, hit, materials, lobes, shading, camera, tables, opacity, seen)
                 if deep and max(passing) > 0.0 and opacity >= _OPAQUE:
                     _end(row, path, hit, materials, lobes, shading, camera)
             straight = _goes_straight(path, passing, opacity)

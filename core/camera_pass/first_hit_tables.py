@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from ..film.mattes import name_numbers
 from ..scene.scene import Scene
+from ..scene.tables import AOV
 
 
 class FirstHitTables(NamedTuple):
     """Numbers of objects and materials; shapes as in ``Scene``.
 
-    ``origin`` (3,): place of the centred scene; ``numbers_*``: what names are in mattes.
+    ``origin`` (3,): place of the centred scene; ``numbers_*``: what names are in mattes;
+    ``aovs`` (A, M): those that are asked for, in that order; what no material has is nowhere.
     """
 
     face_object: NDArray[np.int32]
@@ -25,10 +27,17 @@ class FirstHitTables(NamedTuple):
     origin: NDArray[np.float64]
     mist: NDArray[np.float64]
     shown_uv: int
+    aovs: NDArray[np.void]
 
     @staticmethod
-    def of(scene: Scene, origin: NDArray[np.float64]) -> FirstHitTables:
+    def of(
+        scene: Scene, origin: NDArray[np.float64], aovs: tuple[str, ...] = ()
+    ) -> FirstHitTables:
         """Copies for the kernels, which want writable arrays."""
+        table = np.zeros((len(aovs), len(scene.materials)), AOV)
+        for k, name in enumerate(aovs):
+            if name in scene.aov_names:
+                table[k] = scene.aovs[scene.aov_names.index(name)]
         return FirstHitTables(
             scene.face_object.copy(),
             scene.object_index.copy(),
@@ -38,4 +47,5 @@ class FirstHitTables(NamedTuple):
             origin.copy(),
             scene.mist.copy(),
             int(scene.shown_uv[0]),
+            table,
         )

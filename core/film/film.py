@@ -24,6 +24,7 @@ from .layers import (
     KIND_LAYERS,
     KINDS,
     LIGHT_LAYERS,
+    aov_layer,
     group_layer,
 )
 from .stated_error import UNKNOWN, StatedError
@@ -76,7 +77,7 @@ class Film:
 
     ``LAYERS`` are always there, ``first_hits`` hold those that were asked for beside them.
     Memory: 21 float64 sums, 24 for the error and 5 counters: 380 bytes a pixel, 144 for the
-    light by kind if it is kept, and 48 for each group of lights.
+    light by kind if it is kept, 48 for each group of lights, 32 for each AOV.
     """
 
     LAYERS: ClassVar[dict[str, int]] = {
@@ -100,6 +101,7 @@ class Film:
         matte_ranks: int = 6,
         light_kinds: bool = False,
         light_groups: tuple[str, ...] = (),
+        aovs: tuple[str, ...] = (),
     ) -> None:
         self.width = width
         self.height = height
@@ -115,6 +117,7 @@ class Film:
         self._kinds = np.zeros((count, len(KIND_LAYERS), 3)) if light_kinds else None
         groups = [group_layer(name, c) for name in light_groups for c in (False, True)]
         self._groups = {name: np.zeros((count, 3)) for name in groups}
+        self._aovs = {aov_layer(name): np.zeros((count, 4)) for name in aovs}
 
     @property
     def nbytes(self) -> int:
@@ -122,7 +125,7 @@ class Film:
         parts = (self._sum, self._count, self._part_sum, self._part_count, self._shrink)
         own = sum(part.nbytes for part in parts)
         own += self._kinds.nbytes if self._kinds is not None else 0
-        own += sum(plane.nbytes for plane in self._groups.values())
+        own += sum(p.nbytes for p in (*self._groups.values(), *self._aovs.values()))
         return own + (self.first_hits.nbytes if self.first_hits else 0)
 
     @property
@@ -154,12 +157,18 @@ class Film:
         start: int,
         first_hits: NDArray[np.void] | None,
         kinds: NDArray[np.float64] | None,
+        aovs: NDArray[np.float64] | None = None,
     ) -> None:
         """Add what pass ``i`` has beside the light, to the pixels from ``start`` on.
 
         ``first_hits`` (n,) ``FIRST_HIT``, ``kinds`` (n, 6, 3) finite light by
-        ``KIND_LAYERS``; None for what was not asked for.
+        ``KIND_LAYERS``, ``aovs`` (n, A, 4); None for what was not asked for.
         """
+        if aovs is not None:
+            for k, plane in enumerate(self._aovs.values()):
+                values = aovs[:, k]
+                finite = np.isfinite(values).all(axis=1, keepdims=True)
+                plane[start : start + len(values)] += np.where(finite, values, 0.0)
         if self.first_hits is not None and first_hits is not None:
             self.first_hits.add(i, start, first_hits)
         if self._kinds is not None and kinds is not None:
@@ -189,6 +198,8 @@ class Film:
             self._kinds += other._kinds
         for name, plane in self._groups.items():
             plane += other._groups[name]
+        for name, plane in self._aovs.items():
+            plane += other._aovs[name]
         for name, value in vars(other.statistics).items():
             setattr(self.statistics, name, getattr(self.statistics, name) + value)
 
@@ -203,6 +214,9 @@ class Film:
             return self._first_hit(layer)
         if layer in KIND_LAYERS:
             return self._kind(layer)
+        if layer in self._aovs:
+            mean = self._aovs[layer] / np.maximum(self._count, 1)[:, None]
+            return mean.reshape(self.height, self.width, 4).astype(np.float32)
         if layer in self._groups:
             light = self.exposure * self._groups[layer] / np.maximum(self._count, 1)[:, None]
             return light.reshape(self.height, self.width, 3).astype(np.float32)

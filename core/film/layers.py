@@ -19,6 +19,11 @@ def group_layer(group: str, caustics: bool = False) -> str:
     return f"{'caustics' if caustics else 'combined'} of {group}"
 
 
+def aov_layer(name: str) -> str:
+    """The layer of a value of the user's own: red, green, blue and how much has one."""
+    return f"aov {name}"
+
+
 #: Data of the surfaces that the camera sees at once, traced on demand (``first_hits``): of
 #: one path, ...
 SINGLE_LAYERS = {"position": 3, "distance": 1, "object_index": 1, "material_index": 1}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from .lobes import translucent as translucent
 from .lobes import transparent as transparent
 from .scene import Scene, SceneError
 from .tables import (
+    AOV,
     CLOSURE,
     LOBE,
     MATERIAL,
@@ -57,6 +58,7 @@ class SceneBuilder(LightBuilder):
         self._materials: list[NDArray[np.void]] = []
         self._closures: list[np.void] = []
         self._material_names: list[str] = []
+        self._aovs: list[dict[str, np.void]] = []
         self._lobes: list[tuple] = []
         super().__init__()
         self._shown_uv: int = -1
@@ -69,12 +71,14 @@ class SceneBuilder(LightBuilder):
         lobes: Sequence[Lobe] = (),
         emission: ArrayLike = 0.0,
         closures: Sequence[np.void] = (),
+        aovs: Mapping[str, np.void] | None = None,
         **others: Any,
     ) -> int:
         """Add a material that emits radiance ``emission``; its row.
 
         It is made of ``lobes``, or of ``closures`` (rows of ``tables.CLOSURE``) that are
-        resolved at each hit. ``others``: more fields of ``tables.MATERIAL``, such as
+        resolved at each hit. ``aovs``: rows of ``closures.param`` by the names of
+        the user's own values. ``others``: more fields of ``tables.MATERIAL``, such as
         ``absorption``, ``priority``, or ``ior`` of the medium behind the surface (without
         it the index of the first refracting lobe or closure).
         """
@@ -100,6 +104,7 @@ class SceneBuilder(LightBuilder):
         self._closures += list(closures)
         self._materials.append(row)
         self._material_names.append(name)
+        self._aovs.append(dict(aovs or {}))
         return len(self._materials) - 1
 
     def add_mesh(
@@ -163,9 +168,19 @@ class SceneBuilder(LightBuilder):
         """The camera to render with."""
         self._camera = camera
 
+    def _aov_table(self, names: Sequence[str]) -> NDArray[np.void]:
+        """Rows (A, M) of ``tables.AOV``."""
+        table = np.zeros((len(names), len(self._aovs)), AOV)
+        table["param"]["texture"] = -1
+        for material, values in enumerate(self._aovs):
+            for name, value in values.items():
+                table[names.index(name), material] = (value, 1)
+        return table
+
     def build(self) -> Scene:
         """The frozen scene; raises ``SceneError`` when something does not fit."""
         others: dict[str, Any] = {**self.pictures.arrays(), **self.light_tables()}
+        names = tuple(sorted({name for values in self._aovs for name in values}))
         return Scene(
             name=self.name,
             vertices=_stack(self._vertices, (0, 3), np.float64),
@@ -185,6 +200,8 @@ class SceneBuilder(LightBuilder):
             object_names=tuple(self._objects),
             object_assets=tuple(self._assets),
             material_names=tuple(self._material_names),
+            aovs=self._aov_table(names),
+            aov_names=names,
             **others,
         )
 

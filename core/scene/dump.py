@@ -21,17 +21,17 @@ from ..file_replace import replacing
 from ..settings import LightGroup, Settings
 from .camera_data import CameraData
 from .scene import Scene, SceneError
-from .tables import CLOSURE, IMAGE, LIGHT, LOBE, MATERIAL, TEXTURE
+from .tables import AOV, CLOSURE, IMAGE, LIGHT, LOBE, MATERIAL, TEXTURE
 
 FORMAT = "photon_map scene"
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
 
-_NAMES = ("object_names", "object_assets", "material_names", "light_names")
+_NAMES = ("object_names", "object_assets", "material_names", "light_names", "aov_names")
 _ARRAYS = tuple(f.name for f in fields(Scene) if f.name not in ("name", "camera", *_NAMES))
 
 _ROWS = {
     "materials": MATERIAL, "lobes": LOBE, "lights": LIGHT, "closures": CLOSURE,
-    "textures": TEXTURE, "images": IMAGE,
+    "textures": TEXTURE, "images": IMAGE, "aovs": AOV,
 }  # fmt: skip
 
 #: What NumPy, zipfile and json raise on a file that is not what it says (OSError: a seek to a
@@ -128,6 +128,7 @@ def _aligned(array: NDArray, row: np.dtype[np.void] | None) -> NDArray:
 
 def _read_settings(stored: dict[str, Any]) -> Settings:
     region, first_hit = stored.pop("region"), stored.pop("first_hit", ())
+    aovs = tuple(map(_string, stored.pop("aovs", ())))
     stored.pop("photon_maps", None)
     groups = tuple(_light_group(*group) for group in stored.pop("light_groups", ()))
     return Settings(
@@ -135,6 +136,7 @@ def _read_settings(stored: dict[str, Any]) -> Settings:
         region=None if region is None else tuple(region),
         first_hit=tuple(map(_string, first_hit)),
         light_groups=groups,
+        aovs=aovs,
     )
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .camera_data import CameraData
 from .tables import (
+    AOV,
     CLOSURE,
     IMAGE,
     LIGHT,
@@ -55,6 +56,7 @@ class Scene:
     object_index    (O,) int32 a number of the user's for each object
     object_assets   the name of what each object is a part of, its own by default
     shown_uv        (1,) int32 the set of ``uvs`` that the layer "uv" shows, -1 for none
+    aovs            (A, M) ``tables.AOV``: values of the user's own, for layers of ``aov_names``
     mist            (3,) float64 where mist begins, how far it goes [m], and its exponent
 
     Raises ``SceneError`` at construction when a table contradicts another.
@@ -96,10 +98,14 @@ class Scene:
     object_assets: tuple[str, ...] = ()
     material_names: tuple[str, ...] = ()
     light_names: tuple[str, ...] = ()
+    aovs: NDArray[np.void] = field(default_factory=lambda: np.zeros((0, 0), AOV))
+    aov_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.uvs.shape == (0, 0, 3, 2):
             object.__setattr__(self, "uvs", np.zeros((0, len(self.faces), 3, 2), np.float32))
+        if self.aovs.shape == (0, 0):
+            object.__setattr__(self, "aovs", np.zeros((0, len(self.materials)), AOV))
         if len(self.object_visibility) == 0:
             seen = np.full(len(self.object_names), int(Visibility.ALL), np.int32)
             object.__setattr__(self, "object_visibility", seen)
@@ -142,6 +148,7 @@ def check_scene(scene: Scene) -> None:
         "images": ((len(scene.images),), IMAGE),
         "texels8": ((len(scene.texels8), 4), np.dtype("u1")),
         "texels32": ((len(scene.texels32), 4), np.dtype("f4")),
+        "aovs": ((len(scene.aov_names), len(scene.material_names)), AOV),
         "uvs": ((len(scene.uvs), count, 3, 2), np.dtype("f4")),
     }
     for name, (shape, dtype) in expected.items():
@@ -194,6 +201,7 @@ def _check_pictures(scene: Scene) -> None:
         raise SceneError(f"scene '{scene.name}': the mapping of a texture is not finite")
     used = [scene.materials["normal_texture"], scene.materials["bump_texture"]]
     used.append(scene.closures["factors"]["param"]["texture"].reshape(-1))
+    used.append(scene.aovs["param"]["texture"].reshape(-1))
     used += [scene.closures[name]["texture"] for name in PARAM_NAMES]
     if max((ids.max() for ids in used if ids.size), default=-1) >= len(scene.textures):
         raise SceneError(f"scene '{scene.name}': a material uses a texture that does not exist")

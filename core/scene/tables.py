@@ -144,6 +144,9 @@ LOBE = np.dtype(
 #: (-1: ``value`` alone). Numbers stand in ``value[0]``.
 PARAM = np.dtype([("value", "f8", 3), ("texture", "i4"), ("channel", "i4")], align=True)
 
+#: A value of the user's own on the surfaces of a material; ``known``: 0 where it has none.
+AOV = np.dtype([("param", PARAM), ("known", "i4")], align=True)
+
 #: A mix factor on the way to a shader node; ``invert``: 1 - factor counts.
 FACTOR = np.dtype([("param", PARAM), ("invert", "i4")], align=True)
 

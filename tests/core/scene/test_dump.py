@@ -162,7 +162,7 @@ def _rewritten(path: Path, **changes: object) -> Path:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"version": dump.FORMAT_VERSION + 1}, "version 4, this Photon Map reads version 3"),
+        ({"version": dump.FORMAT_VERSION + 1}, "version 5, this Photon Map reads version 4"),
         ({"format": "something"}, "not a scene file of Photon Map"),
         ({"vertices": None}, "is damaged"),
         ({"lights": np.zeros(2)}, "lights is float64"),
