@@ -12,7 +12,7 @@ from .passes import register_passes
 from .report import ExportError, guarded
 
 #: Seconds between two looks at a viewport's worker.
-WATCH = 0.05
+WATCH = 0.02
 
 
 class PhotonMapEngine(bpy.types.RenderEngine):

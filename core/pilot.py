@@ -93,18 +93,20 @@ def first_radii(
     typical = max(typical * settings.caustic_radius, 1e-7 * size)
     caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, CELL * typical)
     radius = _global_radius(photons, far.vertices["p"], size)
-    grids = _borders(prepared, [caustic[2], radius] if caustics else [radius])
+    grids = _borders(
+        prepared, [caustic[2], radius] if caustics else [radius], not settings.draft
+    )
     return Radii(caustic, radius, grids[0], grids[-1])
 
 
-def _borders(prepared: Prepared, radii: list[float]) -> list[BorderGrid]:
-    """Where surfaces end or run into others, for discs of each of ``radii``."""
+def _borders(prepared: Prepared, radii: list[float], crossed: bool) -> list[BorderGrid]:
+    """Where surfaces end and, if ``crossed``, meet others, for discs of each of ``radii``."""
     mesh, intersector = prepared.mesh, prepared.intersector
     if len(mesh.faces) == 0:
         return [border_grid(no_borders(), 1.0)] * len(radii)
     holds = prepared.receivers[mesh.material]
     surfaces = Surfaces(mesh, prepared.face_object)
-    met = crossings(surfaces, holds, intersector, radii[-1])
+    met = crossings(surfaces, holds, intersector, radii[-1]) if crossed else no_borders()
     sides = border_sides(surfaces, holds)
     grids = []
     for radius in radii:

@@ -58,6 +58,8 @@ class Settings:
     ``light_groups``: lights to have layers of their own (``film.layers.group_layer``).
     ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
     at a time) changes a bit of the result.
+    ``draft``: a first look in less time, by not looking where surfaces run into others, so
+    that gather discs reach through walls that stand in a floor.
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
     fit the scene, ``stale_maps`` says to trace as usual, to bake them again, or to refuse.
     ``photon_memory`` [MB]: most that both photon maps of a pass, and those of the passes under
@@ -100,6 +102,7 @@ class Settings:
     shadow_lit: float = 0.1
     shadow_dark: float = 0.96
     shadow_least: int = 16
+    draft: bool = False
 
     def __post_init__(self) -> None:
         for name, (low, high) in _RANGES.items():

@@ -8,6 +8,7 @@ found goes to `found.json` there; an exception ends Blender with code 3.
 from __future__ import annotations
 
 import importlib
+import itertools
 import json
 import os
 import sys
@@ -16,12 +17,12 @@ import traceback
 from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from escape import press_escape  # type: ignore[import-not-found]
 from screenshots import (  # type: ignore[import-not-found]
     cut,
     likeness,
@@ -29,6 +30,7 @@ from screenshots import (  # type: ignore[import-not-found]
     region_of,
     screenshot,
 )
+from x_server import press_escape, resize_windows  # type: ignore[import-not-found]
 
 JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
 FOLDER = Path(JOB["folder"])
@@ -45,14 +47,18 @@ class Frames:
 
     def __init__(self) -> None:
         self.drawn: list[tuple[float, int, str]] = []
+        # Numbers of workers: Python gives the identity of one that has ended to another one.
+        numbers: WeakKeyDictionary[Any, int] = WeakKeyDictionary()
         viewport = importlib.import_module(f"{MODULE}.addon.viewport").ViewportRender
         original = viewport.draw
+        count = itertools.count(1)
 
         def draw(view: Any, context: Any, depsgraph: Any) -> str:
             before = view._drawn
             line: str = original(view, context, depsgraph)
             if view._drawn is not before and view._drawn is not None:
-                self.drawn.append((time.monotonic(), id(view._worker), view._drawn.line))
+                worker = numbers.setdefault(view._worker, next(count))
+                self.drawn.append((time.monotonic(), worker, view._drawn.line))
             return line
 
         viewport.draw = draw
@@ -189,6 +195,8 @@ def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
     before = cut(shot("viewport"), area)
     found["viewport"] = likeness(before, pixels_of(Path(JOB["headless"])))
     found["viewport"]["contrast"] = float(before.std())
+    yield from resized(frames, found)
+    yield from bordered(frames, found)
     for name, edit in edits(bpy.context.scene).items():
         yield from timed(frames, edit, name)
         yield from frames.until(2, f"after the edit: {name}")
@@ -212,6 +220,46 @@ def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
     for view in views():
         view.spaces.active.shading.type = "SOLID"
     yield 0.5
+
+
+def resized(frames: Frames, found: dict[str, Any]) -> Steps:
+    """The window becomes smaller while its viewport renders."""
+    area, old = views()[0], (window().width, window().height)
+    before = region_of(area).width
+    resize_windows(old[0] - 150, old[1] - 110)
+    yield from until(lambda: region_of(area).width < before, "the window keeps its size")
+    yield from frames.until(JOB["passes"], "in the smaller window")
+    picture = cut(shot("resized"), area)
+    found["resized"] = likeness(picture, pixels_of(Path(JOB["headless"])))
+    resize_windows(*old)
+    yield from until(lambda: region_of(area).width == before, "the window stays small")
+    yield from frames.until(2, "in the larger window")
+
+
+def bordered(frames: Frames, found: dict[str, Any]) -> Steps:
+    """The scene's border, in the view of its camera."""
+    area, render = views()[0], bpy.context.scene.render
+    render.border_min_x, render.border_max_x = render.border_min_y, render.border_max_y = (
+        0.25,
+        0.75,
+    )
+    render.use_border = True
+    yield from frames.until(JOB["passes"], "in the border")
+    inside, outside = parted(cut(shot("border"), area))
+    whole = pixels_of(Path(JOB["headless"]))
+    found["border"] = {
+        **likeness(inside, parted(whole)[0]),
+        "outside": float(outside.std()),
+    }
+    render.use_border = False
+    yield from frames.until(2, "without the border")
+
+
+def parted(pixels: Any) -> tuple[Any, Any]:
+    """The middle of a picture, and a part of its rim."""
+    height, width = pixels.shape[:2]
+    middle = pixels[height // 4 : 3 * height // 4, width // 4 : 3 * width // 4]
+    return middle, pixels[:, : width // 4 - 3]
 
 
 def final(found: dict[str, Any]) -> Steps:

@@ -88,7 +88,7 @@ def drive(blender: Blender, display: str, folder: Path) -> dict[str, Any]:
         "samples": [str(copy) for copy in copies],
     }
     (folder / "job.json").write_text(json.dumps(job))
-    for script in ("window_steps.py", "screenshots.py", "escape.py", "xwd.py"):
+    for script in ("window_steps.py", "screenshots.py", "x_server.py", "xwd.py"):
         shutil.copy(ROOT / "tools" / script, folder)
     done = subprocess.run(
         [blender.command, "--offline-mode", "--window-geometry", "0",
@@ -119,6 +119,9 @@ def judge(found: dict[str, Any]) -> None:
             check(contrast >= LEAST_CONTRAST, f"{name} is blank: {values}")
             change = values.get("change", 1.0)
             check(change >= LEAST_CHANGE, f"{name} changed nothing: {values}")
+    for name in ("resized", "border"):
+        check(found[name]["correlation"] >= LEAST_CORRELATION, f"{name}: {found[name]}")
+    check(found["border"]["outside"] <= LEAST_CONTRAST, f"border: {found['border']}")
     check(found["F12"]["pictures"] == 1, "F12 shows no picture")
     check(found["cancel"]["seconds"] <= MOST_CANCEL, f"Escape: {found['cancel']}")
 

@@ -14,8 +14,8 @@ from ..report import ExportLog
 from .lights import add_light
 from .materials import NO_SURFACE, MaterialTable
 from .memory import ExportMemory
-from .mesh import MeshArrays, read_mesh
-from .unsupported import warn_linking, warn_object, warn_open_glass
+from .mesh import MeshArrays, open_faces, read_mesh
+from .unsupported import warn_linking, warn_object
 from .visibility import object_visibility
 
 #: Types with a surface or a volume that cannot be rendered yet.
@@ -88,11 +88,28 @@ def _add_mesh(
         faces, rows = faces[seen], rows[seen]
         normals = None if normals is None else normals[seen]
         uvs = None if uvs is None else uvs[:, seen]
-    warn_open_glass(obj.name, arrays.vertices, faces, materials.refracts(rows), log)
+    refracts = materials.refracts(rows)
+    if refracts.any():
+        # What encloses a volume alone is no wall of the glass.
+        ends = arrays.open_faces if seen.all() else open_faces(arrays.vertices, faces)
+        warn_open_glass(obj.name, ends & refracts, log)
     builder.add_mesh(
         obj.name, vertices, faces, rows, normals, uvs, seen_by,
         asset=_root(obj).name, index=obj.pass_index,
     )  # fmt: skip
+
+
+def warn_open_glass(name: str, ends: NDArray[np.bool_], log: ExportLog) -> None:
+    """Warn when a surface that refracts has an open edge (``ends``: there and refracting).
+
+    There is no telling inside from outside then: behind a single sheet of glass, all counts
+    as in glass, and other things of the same glass vanish.
+    """
+    if ends.any():
+        log.warn_group(
+            "glass that is no closed body, all behind it counts as inside of it",
+            f"object '{name}'",
+        )
 
 
 def _root(obj: Any) -> Any:

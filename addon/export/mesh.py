@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,11 @@ class MeshArrays:
     slots: NDArray[np.int32]
     corner_normals: NDArray[np.float64] | None
     uvs: dict[str, NDArray[np.float32]] = field(default_factory=dict)
+
+    @cached_property
+    def open_faces(self) -> NDArray[np.bool_]:
+        """Faces (F,) with an open edge."""
+        return open_faces(self.vertices, self.faces)
 
     def placed_uvs(
         self, matrix: NDArray[np.float64], names: Sequence[str]
@@ -60,6 +66,18 @@ class MeshArrays:
             faces,
             np.divide(normals, length, np.zeros_like(normals), where=length > 0),
         )
+
+
+def open_faces(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """Which faces have an edge that an odd number of faces share; seams count as welded."""
+    _, welded = np.unique(vertices, axis=0, return_inverse=True)
+    corners = welded.reshape(-1)[faces]
+    edges = np.sort(
+        np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    )
+    _, edge, uses = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    odd: NDArray[np.bool_] = (uses[edge.reshape(-1)] % 2 == 1).reshape(3, -1).any(axis=0)
+    return odd
 
 
 def _cofactor(m: NDArray[np.float64]) -> NDArray[np.float64]:

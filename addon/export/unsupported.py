@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
 from ..report import ExportLog
 
@@ -26,34 +24,6 @@ def warn_linking(obj: Any, log: ExportLog) -> None:
     linking = obj.original.light_linking
     if linking.receiver_collection is not None or linking.blocker_collection is not None:
         log.warn_group("light linking is ignored", f"object '{obj.name}'")
-
-
-def warn_open_glass(
-    name: str,
-    vertices: NDArray[np.float64],
-    faces: NDArray[np.int32],
-    refracts: NDArray[np.bool_],
-    log: ExportLog,
-) -> None:
-    """Warn when a surface that refracts (faces ``refracts`` (F,)) has an open edge.
-
-    There is no telling inside from outside then: behind a single sheet of glass, all counts
-    as in glass, and other things of the same glass vanish.
-    """
-    if not refracts.any():
-        return
-    _, welded = np.unique(vertices, axis=0, return_inverse=True)
-    corners = welded.reshape(-1)[faces]
-    edges = np.sort(
-        np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
-    )
-    _, edge, uses = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    open_edge = (uses[edge.reshape(-1)] % 2 == 1).reshape(3, -1).any(axis=0)
-    if (open_edge & refracts).any():
-        log.warn_group(
-            "glass that is no closed body, all behind it counts as inside of it",
-            f"object '{name}'",
-        )
 
 
 def warn_missing(log: ExportLog) -> None:

@@ -34,11 +34,49 @@ def view_camera(context: Any, scene: Any) -> CameraData:
     return replace(camera, **{name: getattr(lens, name) for name in _BLUR})
 
 
-def view_key(context: Any) -> tuple[object, ...]:
+def view_key(context: Any, scene: Any) -> tuple[object, ...]:
     """What tells a view from another one."""
     view, region = context.region_data, context.region
     matrices = [np.array(m).tobytes() for m in (view.view_matrix, view.window_matrix)]
-    return (*matrices, region.width, region.height, view.view_perspective)
+    border = view_border(context, scene)
+    return (*matrices, region.width, region.height, view.view_perspective, border)
+
+
+def view_border(context: Any, scene: Any) -> tuple[int, int, int, int] | None:
+    """Pixels (x0, y0, x1, y1) of the region that alone are to be rendered, None for all.
+
+    In the view of a camera the scene's border, a part of its frame, else that of the view.
+    """
+    view, region = context.region_data, context.region
+    owner = context.space_data
+    low, high = np.zeros(2), np.array([region.width, region.height], np.float64)
+    if view.view_perspective == "CAMERA" and scene.camera is not None:
+        if not scene.render.use_border:
+            return None
+        owner, prefix = scene.render, "border"
+        low, high = _frame(np.array(view.window_matrix, np.float64), scene, high)
+    elif owner.use_render_border:
+        prefix = "render_border"
+    else:
+        return None
+    begin, end = (
+        low + (high - low) * [getattr(owner, f"{prefix}_{side}_{axis}") for axis in "xy"]
+        for side in ("min", "max")
+    )
+    size = [region.width, region.height]
+    x0, y0 = (round(v) for v in np.clip(begin, 0, size))
+    x1, y1 = (round(v) for v in np.clip(end, 0, size))
+    return (x0, y0, x1, y1) if x0 < x1 and y0 < y1 else None
+
+
+def _frame(
+    window: NDArray[np.float64], scene: Any, size: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest pixel (2,) of the camera's frame in its view."""
+    corners = np.array(scene.camera.data.view_frame(scene=scene), np.float64)
+    places = np.column_stack([corners, np.ones(len(corners))]) @ window.T
+    pixels = (places[:, :2] / places[:, 3:] + 1.0) * 0.5 * size
+    return pixels.min(axis=0), pixels.max(axis=0)
 
 
 def camera_of(

@@ -24,6 +24,7 @@ def context_of(bpy: Any, camera: Any, width: int = 40, height: int = 30) -> Any:
             view_perspective="PERSP",
         ),
         region=SimpleNamespace(width=width, height=height),
+        space_data=SimpleNamespace(use_render_border=False),
     )
 
 
@@ -109,9 +110,9 @@ def test_the_last_picture_is_the_whole_one(bpy: Any, core: Any, viewport: Any) -
     assert viewport.render.has_news()
     assert draw(viewport) == "Pass 3/3 | Error 50.0 %"
     assert not viewport.render.has_news()
-    pixels, width, height = viewport.drawn[-1]
+    pixels, place, size = viewport.drawn[-1]
     assert pixels.shape == (30, 40, 4)
-    assert (width, height) == (40, 30)
+    assert (place, size) == ((0, 0, 1, 1), (40, 30))
     assert core.closed == 2  # a coarse picture came before
 
 
@@ -131,6 +132,54 @@ def test_a_turned_view_is_rendered_without_an_export(
     draw(viewport)
     assert viewport.drawn[-1][0].shape == (10, 20, 4)
     assert core.closed == 4
+
+
+def test_a_border_of_the_view_is_rendered_alone(bpy: Any, core: Any, viewport: Any) -> None:
+    space = viewport.context.space_data
+    viewport.render.update(viewport.context, viewport.depsgraph)
+    space.render_border_min_x, space.render_border_max_x = 0.25, 0.5
+    space.render_border_min_y, space.render_border_max_y = 0.1, 0.92
+    space.use_render_border = True
+    draw(viewport)
+    wait_until(lambda: not workers())
+    draw(viewport)
+    pixels, place, size = viewport.drawn[-1]
+    assert pixels.shape == (25, 10, 4)
+    assert (place, size) == ((0.25, 0.1, 0.5, 28 / 30), (40, 30))
+    space.use_render_border = False
+    draw(viewport)
+    wait_until(lambda: not workers())
+    draw(viewport)
+    assert viewport.drawn[-1][0].shape == (30, 40, 4)
+
+
+def test_the_border_of_a_camera_is_a_part_of_its_frame(bpy: Any) -> None:
+    from photon_map.addon.export.view import view_border
+
+    camera = add_camera(bpy)
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = 40, 20
+    bpy.context.view_layer.update()
+    context = context_of(bpy, camera, 40, 20)
+    # The frame fills the middle half of the view.
+    context.region_data.window_matrix[0] *= 0.5
+    context.region_data.window_matrix[1] *= 0.5
+    context.region_data.view_perspective = "CAMERA"
+    assert view_border(context, scene) is None
+    render = scene.render
+    render.border_min_x, render.border_max_x = 0.25, 0.8
+    render.border_min_y, render.border_max_y = 0.0, 0.5
+    render.use_border = True
+    assert view_border(context, scene) == (15, 5, 26, 10)
+
+
+def test_pictures_become_finer_step_by_step() -> None:
+    from photon_map.addon.viewport import FIRST_PIXELS, steps
+
+    assert list(steps(1)) == [2]
+    assert list(steps(650 * 470)) == [7]
+    assert list(steps(1920 * 1080)) == [16, 4]
+    assert all(n / next(steps(n)) ** 2 <= FIRST_PIXELS for n in range(9, 10**7, 99991))
 
 
 def test_an_edit_converts_only_what_changed(bpy: Any, core: Any, viewport: Any) -> None:

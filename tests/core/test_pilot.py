@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from photon_map.core import pilot
 from photon_map.core.camera_pass.chunk import Region
 from photon_map.core.photon_pass import TracedPhotons, photon_batches, pilot_radii
 from photon_map.core.plan import Plan
@@ -36,3 +38,18 @@ def test_without_photons_the_pilot_traces_no_ray(photons: int) -> None:
     else:
         none = TracedPhotons(blind, settings, batches)
         assert pilot_radii(blind, settings, region, none).global_ == 0.0
+
+
+def test_a_draft_leaves_out_what_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where surfaces run into others."""
+    scene = cornell_glass(8)
+    settings = Settings(passes=1, draft=True)
+    prepared = prepare(scene, settings)
+    batches = photon_batches(Plan.of(scene, settings), settings, 64)
+    assert scene.camera is not None
+    region = Region.of(scene.camera, settings)
+    source = TracedPhotons(prepared, settings, batches)
+    whole = pilot_radii(prepared, replace(settings, draft=False), region, source)
+    monkeypatch.setattr(pilot, "crossings", refuse)
+    draft = pilot_radii(prepared, settings, region, source)
+    assert (draft.caustic, draft.global_) == (whole.caustic, whole.global_)

@@ -1,4 +1,4 @@
-"""The Escape key, sent to every window of an X display through Xlib."""
+"""What only the X server can do to the windows of a display: through Xlib."""
 
 from __future__ import annotations
 
@@ -20,6 +20,30 @@ class KeyEvent(ctypes.Structure):
 
 def press_escape() -> None:
     """Press Escape by the X server: Blender's simulated events do not break a render."""
+    x, display, root, windows = _open()
+    escape = x.XKeysymToKeycode(display, ctypes.c_ulong(0xFF1B))
+    for window in windows:
+        for kind, mask in ((2, 1), (3, 2)):
+            event = KeyEvent(
+                type=kind, display=display, window=window, root=root, keycode=escape,
+                same_screen=1,
+            )  # fmt: skip
+            x.XSendEvent(
+                display, ctypes.c_ulong(window), 1, ctypes.c_long(mask), ctypes.byref(event)
+            )
+    _close(x, display)
+
+
+def resize_windows(width: int, height: int) -> None:
+    """Give every window another size, as its border would when it is pulled."""
+    x, display, _, windows = _open()
+    for window in windows:
+        x.XResizeWindow(display, ctypes.c_ulong(window), width, height)
+    _close(x, display)
+
+
+def _open() -> tuple[ctypes.CDLL, ctypes.c_void_p, int, list[int]]:
+    """Xlib, the display, its root and the windows on it."""
     x = ctypes.CDLL("libX11.so.6")
     x.XOpenDisplay.restype, x.XDefaultRootWindow.restype = ctypes.c_void_p, ctypes.c_ulong
     display = ctypes.c_void_p(x.XOpenDisplay(None))
@@ -31,15 +55,9 @@ def press_escape() -> None:
         display, ctypes.c_ulong(root), found, second, ctypes.byref(children),
         ctypes.byref(count),
     )  # fmt: skip
-    escape = x.XKeysymToKeycode(display, ctypes.c_ulong(0xFF1B))
-    for child in children[: count.value]:
-        for kind, mask in ((2, 1), (3, 2)):
-            event = KeyEvent(
-                type=kind, display=display, window=child, root=root, keycode=escape,
-                same_screen=1,
-            )  # fmt: skip
-            x.XSendEvent(
-                display, ctypes.c_ulong(child), 1, ctypes.c_long(mask), ctypes.byref(event)
-            )
+    return x, display, root, list(children[: count.value])
+
+
+def _close(x: ctypes.CDLL, display: ctypes.c_void_p) -> None:
     x.XFlush(display)
     x.XCloseDisplay(display)
