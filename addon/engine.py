@@ -20,7 +20,7 @@ class PhotonMapEngine(bpy.types.RenderEngine):
 
     bl_idname = "PHOTONMAP"
     bl_label = "Photon Map"
-    bl_use_preview = False
+    bl_use_preview = True
     bl_use_postprocess = True
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False

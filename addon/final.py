@@ -20,6 +20,7 @@ from .job import CURRENT
 from .kernel_cache import use_extension_folder
 from .mattes import matte_stamps
 from .passes import active_passes, asked_settings, pass_name
+from .preview import LONG, WAITING, preview_scene, preview_settings
 from .report import ExportError, ExportLog
 
 if TYPE_CHECKING:
@@ -48,11 +49,12 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     settings = export_settings(
         depsgraph.scene_eval,
         {
-            **_asked(depsgraph),
-            **({} if engine.is_preview else maps_settings(depsgraph.scene)),
+            **_asked(engine, depsgraph),
             **(job.overrides if job else {}),
         },
     )
+    if engine.is_preview:
+        scene = preview_scene(scene)
     if job is not None:
         job.exported(layer, scene, settings, log.messages)
         if job.export_only:
@@ -65,6 +67,7 @@ def render_final(engine: Any, depsgraph: Any) -> None:
         last = _pull(engine, updates, view_layer, settings)
     finally:
         updates.close()
+        WAITING.clear()
     if last is None or last.passes == 0:
         write_nothing(engine, view_layer)
         return
@@ -76,10 +79,13 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     tell(engine, [f"{bad} samples were not finite and are black"] if bad else [])
 
 
-def _asked(depsgraph: Any) -> dict[str, Any]:
-    """What the passes and the denoiser ask for beside the light."""
+def _asked(engine: Any, depsgraph: Any) -> dict[str, Any]:
+    """What the passes, the denoiser and baked maps ask for, or a preview."""
+    if engine.is_preview:
+        return preview_settings()
     asked = asked_settings(depsgraph)
     guides = GUIDES if depsgraph.scene_eval.photon_map.use_denoise and is_available() else ()
+    asked |= maps_settings(depsgraph.scene)
     return asked | {"first_hit": tuple(dict.fromkeys((*asked["first_hit"], *guides)))}
 
 
@@ -145,6 +151,8 @@ def _pull(
         if first:
             tell(engine, last.plan.warnings)
             first = False
+        if engine.is_preview and last.setup_seconds > LONG:
+            WAITING.set()
         enough = job is not None and job.updated(view_layer.name, last)
         fraction = completed(last, settings)
         engine.update_progress(fraction)

@@ -106,8 +106,8 @@ def views() -> list[Any]:
 
 
 def shot(name: str) -> Any:
-    """What the display shows now, kept under ``name``."""
-    return screenshot(FOLDER / f"{name}.xwd")
+    """What the window shows now; the whole display is kept under ``name``."""
+    return screenshot(FOLDER / f"{name}.xwd")[-window().height :]
 
 
 def show_rendered(area: Any) -> None:

@@ -171,6 +171,8 @@ class ValueReader(NodeReader):
             return _product(self.number_value(node, 0), self.number_value(node, 1), node)
         if kind == "MIX" or kind == "MIX_RGB":
             return self._mixed(node)
+        if kind == "TEX_CHECKER" and name == "Color":
+            return self._checkered(node)
         if kind in _COLOR_CHANGES:
             return self._changed(node)
         return None
@@ -197,6 +199,18 @@ class ValueReader(NodeReader):
         if first.is_constant and second.is_constant:
             return Value(first.color * (1.0 - t) + second.color * t)
         return None
+
+    def _checkered(self, node: Placed) -> Value | None:
+        """As a colour between those of its squares, with a warning."""
+        first, second = (self.color_value(node, name) for name in ("Color1", "Color2"))
+        if not first.is_constant or not second.is_constant:
+            return None
+        self.log.warn(
+            f"{self.owner}: node '{node.label}' is not supported yet; the mean of its colours "
+            "is used",
+            key=(self.owner, node.item.name),
+        )
+        return Value(0.5 * (first.color + second.color))
 
     def _changed(self, node: Placed) -> Value:
         """A node that changes colours: exact for some constants, else left out."""

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 import bpy
 
-from . import light, material, object, plan, presets, render, stock, view_layer, world
+from . import (
+    light,
+    material,
+    object,
+    plan,
+    presets,
+    preview,
+    render,
+    stock,
+    view_layer,
+    world,
+)
 
 CLASSES = (
     *presets.CLASSES,
@@ -14,6 +25,7 @@ CLASSES = (
     *object.PANELS,
     *light.PANELS,
     *material.PANELS,
+    *preview.PANELS,
     *world.PANELS,
 )
 
@@ -24,10 +36,12 @@ def register() -> None:
         bpy.utils.register_class(panel)
     presets.register()
     stock.join()
+    preview.join()
 
 
 def unregister() -> None:
     """Leave the stock panels and unregister ours."""
+    preview.leave()
     stock.leave()
     presets.unregister()
     for panel in reversed(CLASSES):

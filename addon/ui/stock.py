@@ -19,6 +19,7 @@ JOINED = (
     "DATA_PT_camera_dof",
     "DATA_PT_camera_dof_aperture",
     "EEVEE_MATERIAL_PT_context_material",
+    "MATERIAL_PT_preview",
     "VIEWLAYER_PT_override",
 )
 
@@ -30,7 +31,6 @@ LEFT_OUT = (
     "DATA_PT_lightprobe",
     "DATA_PT_lightprobe_parallax",
     "DATA_PT_lightprobe_visibility",
-    "DATA_PT_preview",
     "DATA_PT_spot",
     "NODE_DATA_PT_light",
     "NODE_DATA_PT_spot",

@@ -55,7 +55,7 @@ def test_value_node_at_a_colour_is_grey(bpy: Any) -> None:
 
 def test_texture_warns_once_and_the_inputs_value_is_used(bpy: Any) -> None:
     add_camera(bpy)
-    material, _ = linked(bpy, "ShaderNodeTexChecker")
+    material, _ = linked(bpy, "ShaderNodeTexMagic")
     for name in "ABC":
         add_cube(bpy, name, material)
     got = export(bpy)
@@ -67,7 +67,7 @@ def test_texture_warns_once_and_the_inputs_value_is_used(bpy: Any) -> None:
 
 def test_a_texture_at_two_inputs_warns_once(bpy: Any) -> None:
     add_camera(bpy)
-    material, texture = linked(bpy, "ShaderNodeTexChecker")
+    material, texture = linked(bpy, "ShaderNodeTexMagic")
     shader = material.node_tree.nodes["Diffuse BSDF"]
     material.node_tree.links.new(texture.outputs[0], shader.inputs["Normal"])
     add_cube(bpy, "Cube", material)
@@ -154,3 +154,18 @@ def test_muted_nodes_are_passed_through(bpy: Any) -> None:
     got = export(bpy)
     assert colors(got) == [[0.5, 0.6, 0.7]]
     assert got.warnings == ()
+
+
+def test_a_checker_is_the_mean_of_its_colours(bpy: Any) -> None:
+    add_camera(bpy)
+    material = new_material(bpy, "Squares", "ShaderNodeBsdfDiffuse")
+    tree = material.node_tree
+    checker = tree.nodes.new("ShaderNodeTexChecker")
+    checker.inputs["Color1"].default_value = (0.2, 0.4, 0.6, 1)
+    checker.inputs["Color2"].default_value = (0.4, 0.0, 0.2, 1)
+    shader = next(node for node in tree.nodes if node.type == "BSDF_DIFFUSE")
+    tree.links.new(checker.outputs["Color"], shader.inputs["Color"])
+    add_cube(bpy, "Cube", material)
+    got = export(bpy)
+    assert got.lobes_of("Squares")[0]["weight"] == pytest.approx((0.3, 0.2, 0.4))
+    assert len(got.warnings) == 1 and "mean of its colours" in got.warnings[0]
