@@ -62,7 +62,7 @@ def test_texture_warns_once_and_the_inputs_value_is_used(bpy: Any) -> None:
     assert colors(got) == [[0.8, 0.2, 0.1]]
     assert len(got.warnings) == 1
     assert "material 'M'" in got.warnings[0]
-    assert "Checker Texture" in got.warnings[0]
+    assert "Magic Texture" in got.warnings[0]
 
 
 def test_a_texture_at_two_inputs_warns_once(bpy: Any) -> None:
