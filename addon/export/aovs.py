@@ -1,4 +1,4 @@
-"""AOV Output nodes: values of the user's own on the surfaces of a material.
+"""AOV Output nodes: values of the user's own on surfaces, or of the world.
 
 Inputs are read like those of shaders (``values.py``): constants, textures, and what can be
 made of them; of anything else the input's own value is taken, with one warning.
@@ -40,13 +40,12 @@ def material_aovs(reader: ValueReader, tree: Any, wanted: Mapping[str, str]) -> 
     return found
 
 
-def warn_world_aovs(world: Any, wanted: Mapping[str, str], log: ExportLog) -> None:
-    """Say that surfaces alone have values."""
+def world_aovs(world: Any, wanted: Mapping[str, str], log: ExportLog) -> dict[str, Any]:
+    """The same of a world, whose pictures are not looked up for it."""
     tree = None if world is None else tree_of(world)
-    if tree is None or not wanted:
-        return
-    if any(node.item.aov_name in wanted for node in _outputs(tree)):
-        log.warn(f"world '{world.name}': its AOV outputs are not supported and ignored")
+    if tree is None:
+        return {}
+    return material_aovs(ValueReader(f"world '{world.name}'", log), tree, wanted)
 
 
 def _outputs(tree: Any, groups: tuple[Any, ...] = ()) -> Iterator[Placed]:

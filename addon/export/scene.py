@@ -9,7 +9,7 @@ from ...core.scene.builder import SceneBuilder
 from ...core.scene.camera_data import CameraData
 from ...core.scene.scene import Scene
 from ..report import ExportError, ExportLog
-from .aovs import wanted_aovs, warn_world_aovs
+from .aovs import wanted_aovs, world_aovs
 from .camera import export_camera
 from .instances import ExportCancelledError, add_objects
 from .materials import MaterialTable
@@ -51,7 +51,7 @@ def export_scene(
     warn_missing(log)
     builder.set_world(**world_values(layer.world_override or scene.world, log))
     aovs = wanted_aovs(layer)
-    warn_world_aovs(layer.world_override or scene.world, aovs, log)
+    builder.set_world_aovs(world_aovs(layer.world_override or scene.world, aovs, log))
     materials = MaterialTable(builder, log, layer.material_override, memory, aovs)
     shown_uv = materials.pictures.show_active() if layer.use_pass_uv else -1
     builder.set_shown(shown_uv, mist_of(layer.world_override or scene.world))

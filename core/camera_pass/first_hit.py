@@ -24,7 +24,7 @@ from ..lights.dispatch import FAR, visibility_of
 from ..lights.world import world_radiance
 from ..scene.tables import Visibility
 from ..textures.sampling import uv_at
-from .aovs import keep_aovs
+from .aovs import keep_aovs, keep_world_aovs
 from .paths import (
     MOST_STEPS,
     absorb,
@@ -46,9 +46,17 @@ _OPAQUE = 0.5
 
 @kernel
 def _see_background(
-    path: Row, row: Row, materials: Table, lights: Row, transparent: bool
+    path: Row,
+    row: Row,
+    materials: Table,
+    lights: Row,
+    tables: Row,
+    transparent: bool,
+    aovs: Table,
 ) -> None:
     """The camera sees past everything."""
+    if row.found == 0.0:
+        keep_world_aovs(aovs[path.slot], path, tables)
     see_lamps(path, row, materials, lights, False, FAR)
     entry = len(lights.lamps) + 1
     if transparent or visibility_of(lights, entry) & _CAMERA_BIT == 0:
@@ -129,15 +137,12 @@ def _show(
     camera: Row,
     tables: Row,
     opacity: float,
-    aovs: Table,
 ) -> None:
     """A surface that the camera sees, perhaps through others."""
     eye = subtract(vector(hit.p), read(camera.position.reshape(1, 3), 0))
     depth = dot(eye, read(camera.axes, 2))
     beta = path.beta
     weight = opacity * (beta[0] + beta[1] + beta[2]) / 3.0
-    if row.found == 0.0:
-        keep_aovs(aovs, path, hit, shading, tables)
     if row.found == 0.0 and opacity >= _OPAQUE:
         _keep_single(row, hit, materials, tables, depth)
         _keep_uv(row, hit, shading, tables.shown_uv)
@@ -194,6 +199,14 @@ def _continue_chain(
     wi = go_on(materials, lobes, path, hit, u_event, base, (wide + narrow) / narrow, False)
     store(path.origin, leave(vector(hit.p), vector(hit.ng), wi, hit.offset))
     return carries(path, min_throughput)
+
+
+@kernel
+def _advance(materials: Table, path: Row, hit: Row) -> None:
+    """The way to a hit, and what is absorbed on it."""
+    path.length += hit.way
+    path.since += hit.way
+    absorb(materials, path, hit.way)
 
 
 @kernel
@@ -254,14 +267,12 @@ def step_first_hits(
         first = path.event == _CAMERA_BIT
         if face < 0 or is_clipped(path, hit):
             if first:
-                _see_background(path, row, materials, lights, transparent)
+                _see_background(path, row, materials, lights, tables, transparent, aovs)
             continue
         path.steps += 1
         if first:
             see_lamps(path, row, materials, lights, False, path.since + hit.way)
-        path.length += hit.way
-        path.since += hit.way
-        absorb(materials, path, hit.way)
+        _advance(materials, path, hit)
         straight = goes_through(materials, path, hit, is_visible(path, hit, mesh))
         held = not straight and is_held_out(path, hit, mesh)
         if not straight:
@@ -270,9 +281,10 @@ def step_first_hits(
             shade(hit, path, mesh, materials, lobes, shading, spare)
             passing = _passing(materials, path, hit, lobes)
             opacity = 1.0 - (passing[0] + passing[1] + passing[2]) / 3.0
+            if first and row.found == 0.0:
+                keep_aovs(aovs[path.slot], path, hit, shading, tables)
             if first and not held:
-                seen = aovs[path.slot]
-                _show(row, path, hit, materials, lobes, shading, camera, tables, opacity, seen)
+                _show(row, path, hit, materials, lobes, shading, camera, tables, opacity)
                 if deep and max(passing) > 0.0 and opacity >= _OPAQUE:
                     _end(row, path, hit, materials, lobes, shading, camera)
             straight = _goes_straight(path, passing, opacity)

@@ -16,7 +16,8 @@ class FirstHitTables(NamedTuple):
     """Numbers of objects and materials; shapes as in ``Scene``.
 
     ``origin`` (3,): place of the centred scene; ``numbers_*``: what names are in mattes;
-    ``aovs`` (A, M): those that are asked for, in that order; what no material has is nowhere.
+    ``aovs`` (A, M), ``world_aovs`` (A,): those that are asked for, in that order; what no
+    material has is nowhere.
     """
 
     face_object: NDArray[np.int32]
@@ -28,6 +29,7 @@ class FirstHitTables(NamedTuple):
     mist: NDArray[np.float64]
     shown_uv: int
     aovs: NDArray[np.void]
+    world_aovs: NDArray[np.void]
 
     @staticmethod
     def of(
@@ -35,9 +37,11 @@ class FirstHitTables(NamedTuple):
     ) -> FirstHitTables:
         """Copies for the kernels, which want writable arrays."""
         table = np.zeros((len(aovs), len(scene.materials)), AOV)
+        world = np.zeros(len(aovs), AOV)
         for k, name in enumerate(aovs):
             if name in scene.aov_names:
-                table[k] = scene.aovs[scene.aov_names.index(name)]
+                row = scene.aov_names.index(name)
+                table[k], world[k] = scene.aovs[row], scene.world_aovs[row]
         return FirstHitTables(
             scene.face_object.copy(),
             scene.object_index.copy(),
@@ -48,4 +52,5 @@ class FirstHitTables(NamedTuple):
             scene.mist.copy(),
             int(scene.shown_uv[0]),
             table,
+            world,
         )

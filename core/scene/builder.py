@@ -59,6 +59,7 @@ class SceneBuilder(LightBuilder):
         self._closures: list[np.void] = []
         self._material_names: list[str] = []
         self._aovs: list[dict[str, np.void]] = []
+        self._world_aovs: dict[str, np.void] = {}
         self._lobes: list[tuple] = []
         super().__init__()
         self._shown_uv: int = -1
@@ -164,23 +165,19 @@ class SceneBuilder(LightBuilder):
         """The set of coordinates and the mist (start, depth, exponent) of their layers."""
         self._shown_uv, self._mist = uv, mist
 
+    def set_world_aovs(self, values: Mapping[str, np.void]) -> None:
+        """Values of the user's own of the surroundings, as of a material; no textures."""
+        self._world_aovs = dict(values)
+
     def set_camera(self, camera: CameraData) -> None:
         """The camera to render with."""
         self._camera = camera
 
-    def _aov_table(self, names: Sequence[str]) -> NDArray[np.void]:
-        """Rows (A, M) of ``tables.AOV``."""
-        table = np.zeros((len(names), len(self._aovs)), AOV)
-        table["param"]["texture"] = -1
-        for material, values in enumerate(self._aovs):
-            for name, value in values.items():
-                table[names.index(name), material] = (value, 1)
-        return table
-
     def build(self) -> Scene:
         """The frozen scene; raises ``SceneError`` when something does not fit."""
         others: dict[str, Any] = {**self.pictures.arrays(), **self.light_tables()}
-        names = tuple(sorted({name for values in self._aovs for name in values}))
+        told = (*self._aovs, self._world_aovs)
+        names = tuple(sorted({name for values in told for name in values}))
         return Scene(
             name=self.name,
             vertices=_stack(self._vertices, (0, 3), np.float64),
@@ -200,10 +197,21 @@ class SceneBuilder(LightBuilder):
             object_names=tuple(self._objects),
             object_assets=tuple(self._assets),
             material_names=tuple(self._material_names),
-            aovs=self._aov_table(names),
+            aovs=_aov_table(names, self._aovs),
+            world_aovs=_aov_table(names, [self._world_aovs])[:, 0].copy(),
             aov_names=names,
             **others,
         )
+
+
+def _aov_table(names: Sequence[str], owners: Sequence[Mapping[str, np.void]]) -> NDArray:
+    """Rows (A, n) of ``tables.AOV`` for what each of n materials has."""
+    table = np.zeros((len(names), len(owners)), AOV)
+    table["param"]["texture"] = -1
+    for k, values in enumerate(owners):
+        for name, value in values.items():
+            table[names.index(name), k] = (value, 1)
+    return table
 
 
 def _stack(parts: list, empty: tuple[int, ...], dtype: type) -> NDArray:

@@ -32,6 +32,7 @@ _ARRAYS = tuple(f.name for f in fields(Scene) if f.name not in ("name", "camera"
 _ROWS = {
     "materials": MATERIAL, "lobes": LOBE, "lights": LIGHT, "closures": CLOSURE,
     "textures": TEXTURE, "images": IMAGE, "aovs": AOV,
+    "world_aovs": AOV,
 }  # fmt: skip
 
 #: What NumPy, zipfile and json raise on a file that is not what it says (OSError: a seek to a

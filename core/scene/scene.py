@@ -57,6 +57,7 @@ class Scene:
     object_assets   the name of what each object is a part of, its own by default
     shown_uv        (1,) int32 the set of ``uvs`` that the layer "uv" shows, -1 for none
     aovs            (A, M) ``tables.AOV``: values of the user's own, for layers of ``aov_names``
+    world_aovs      (A,) ``tables.AOV`` the same of the surroundings, without textures
     mist            (3,) float64 where mist begins, how far it goes [m], and its exponent
 
     Raises ``SceneError`` at construction when a table contradicts another.
@@ -99,6 +100,7 @@ class Scene:
     material_names: tuple[str, ...] = ()
     light_names: tuple[str, ...] = ()
     aovs: NDArray[np.void] = field(default_factory=lambda: np.zeros((0, 0), AOV))
+    world_aovs: NDArray[np.void] = field(default_factory=lambda: np.zeros(0, AOV))
     aov_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -106,6 +108,8 @@ class Scene:
             object.__setattr__(self, "uvs", np.zeros((0, len(self.faces), 3, 2), np.float32))
         if self.aovs.shape == (0, 0):
             object.__setattr__(self, "aovs", np.zeros((0, len(self.materials)), AOV))
+        if len(self.world_aovs) == 0:
+            object.__setattr__(self, "world_aovs", np.zeros(len(self.aov_names), AOV))
         if len(self.object_visibility) == 0:
             seen = np.full(len(self.object_names), int(Visibility.ALL), np.int32)
             object.__setattr__(self, "object_visibility", seen)
@@ -148,6 +152,7 @@ def check_scene(scene: Scene) -> None:
         "images": ((len(scene.images),), IMAGE),
         "texels8": ((len(scene.texels8), 4), np.dtype("u1")),
         "texels32": ((len(scene.texels32), 4), np.dtype("f4")),
+        "world_aovs": ((len(scene.aov_names),), AOV),
         "aovs": ((len(scene.aov_names), len(scene.material_names)), AOV),
         "uvs": ((len(scene.uvs), count, 3, 2), np.dtype("f4")),
     }

@@ -76,8 +76,22 @@ def build(bpy: Any) -> None:
         sheet = add_mesh(bpy, name, SQUARE, material)
         sheet.location, sheet.scale = (1.1 * (k - 2), 0.0, 1.0), (0.4, 0.5, 1.0)
     inside_group(bpy)
+    held = new_material(bpy, "Held", "ShaderNodeBsdfDiffuse")
+    add_output(held.node_tree, "tint", Color=(0.6, 0.7, 0.8, 1.0))
+    hole = add_mesh(bpy, "Held", SQUARE, held)
+    hole.location, hole.scale, hole.is_holdout = (0.0, -0.85, 0.5), (3.0, 0.1, 1.0), True
+    world = new_world(bpy)
+    add_output(world.node_tree, "number", Value=3.0)
     for name, kind in (("tint", "COLOR"), ("number", "VALUE"), ("nobody's", "COLOR")):
         add_aov(bpy, name, kind)
+
+
+def new_world(bpy: Any) -> Any:
+    world = bpy.data.worlds.new("Sky")
+    if bpy.app.version < (5, 0, 0):
+        world.use_nodes = True
+    bpy.context.scene.world = world
+    return world
 
 
 def inside_group(bpy: Any) -> None:
@@ -146,21 +160,22 @@ def test_what_cannot_be_read_is_the_inputs_own_with_one_warning(bpy: Any) -> Non
     assert "material 'Wood': node 'Noise Texture' at input 'Color'" in exported.warnings[0]
 
 
-def test_two_outputs_of_one_name_and_the_worlds_are_told(bpy: Any) -> None:
+def test_two_outputs_of_one_name_and_a_picture_of_the_world_are_told(bpy: Any) -> None:
     add_camera(bpy)
     material = new_material(bpy, "Twice", "ShaderNodeBsdfDiffuse")
     for value in (1.0, 2.0):
         add_output(material.node_tree, "number", Value=value)
     add_mesh(bpy, "Sheet", SQUARE, material)
-    world = bpy.data.worlds.new("Sky")
-    if bpy.app.version < (5, 0, 0):
-        world.use_nodes = True
-    bpy.context.scene.world = world
-    add_output(world.node_tree, "number", Value=1.0)
+    world = new_world(bpy)
+    sky = add_output(world.node_tree, "number", Value=1.5)
+    picture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+    world.node_tree.links.new(picture.outputs["Color"], sky.inputs["Value"])
     add_aov(bpy, "number", "VALUE")
     exported = export(bpy)
     assert exported.scene.aovs["param"]["value"][0, 0, 0] == 1.0
+    assert exported.scene.world_aovs["param"]["value"][0, 0] == 1.5
     assert sorted(exported.warnings) == [
         "material 'Twice' has several outputs for AOV 'number', the first one counts",
-        "world 'Sky': its AOV outputs are not supported and ignored",
+        "world 'Sky': node 'Environment Texture' at input 'Value' of 'AOV Output' is not "
+        "supported yet; the input's own value is used",
     ]

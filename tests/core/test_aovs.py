@@ -12,7 +12,7 @@ from photon_map.core.film.film import Film
 from photon_map.core.scene.closures import param
 from photon_map.core.scene.dump import load_scene, save_scene
 from photon_map.core.scene.lobes import diffuse, mirror, transparent
-from photon_map.core.scene.tables import Channel, ImageKind
+from photon_map.core.scene.tables import Channel, ImageKind, Visibility
 from photon_map.tests import scenes
 
 BASE = Settings(
@@ -61,6 +61,24 @@ def test_what_is_half_opaque_hides_what_is_behind_it():
     behind = b.add_material("behind", [diffuse(0.5)], aovs={"weight": param(0.3)})
     b.add_mesh("behind", *scenes.plane(1.0, 0.25), behind)
     assert layers_of(b.build())[1][4, 4] == pytest.approx([1.0] * 4)
+
+
+def test_the_world_and_what_is_held_out_have_values_too():
+    """As in Cycles, which writes both."""
+    b = floor(lobes=[transparent(0.25), diffuse(0.7)], aovs={"weight": param(1.0)})
+    b.set_world_aovs({"tint": TINT, "weight": WEIGHT})
+    hole = b.add_material("hole", [diffuse(0.5)], aovs={"tint": param(9.0)})
+    seen = Visibility.ALL | Visibility.HOLDOUT
+    corners = scenes.quad((0.9, -1, 1), (3, -1, 1), (3, 1, 1), (0.9, 1, 1))
+    b.add_mesh("hole", *corners, hole, visibility=seen)
+    b.set_camera(scenes.camera((0, 0, 4), (0, 0, 0), 8, 8, fov=np.pi / 2, up=(0, 1, 0)))
+    tint, weight, _ = layers_of(b.build())
+    assert tint[4, 6] == pytest.approx([9.0, 9.0, 9.0, 1.0])
+    assert weight[4, 4] == pytest.approx([1.0, 1.0, 1.0, 1.0])
+    b.set_camera(scenes.camera((0, 0, -4), (0, 0, -9), 8, 8, up=(0, 1, 0)))
+    tint, weight, _ = layers_of(b.build())
+    assert tint == pytest.approx(np.broadcast_to(np.float32([0.2, 0.4, 0.6, 1.0]), (8, 8, 4)))
+    assert (weight == [-3.0, -3.0, -3.0, 1.0]).all()
 
 
 def test_mirrors_show_no_values_of_others():
