@@ -106,9 +106,10 @@ class Scene:
     def __post_init__(self) -> None:
         if self.uvs.shape == (0, 0, 3, 2):
             object.__setattr__(self, "uvs", np.zeros((0, len(self.faces), 3, 2), np.float32))
-        if self.aovs.shape == (0, 0):
+        # What fits is left alone: the same arrays mean the same scene (``kept``).
+        if self.aovs.shape == (0, 0) and len(self.materials):
             object.__setattr__(self, "aovs", np.zeros((0, len(self.materials)), AOV))
-        if len(self.world_aovs) == 0:
+        if len(self.world_aovs) == 0 and self.aov_names:
             object.__setattr__(self, "world_aovs", np.zeros(len(self.aov_names), AOV))
         if len(self.object_visibility) == 0:
             seen = np.full(len(self.object_names), int(Visibility.ALL), np.int32)
