@@ -7,8 +7,6 @@ found goes to `found.json` there; an exception ends Blender with code 3.
 
 from __future__ import annotations
 
-import importlib
-import itertools
 import json
 import os
 import sys
@@ -17,12 +15,12 @@ import traceback
 from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
+from frames import Frames, Steps, until  # type: ignore[import-not-found]
 from screenshots import (  # type: ignore[import-not-found]
     cut,
     likeness,
@@ -35,64 +33,7 @@ from x_server import press_escape, resize_windows  # type: ignore[import-not-fou
 JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
 FOLDER = Path(JOB["folder"])
 MODULE = "bl_ext.user_default.photon_map"
-#: Longest wait for anything [s].
-PATIENCE = 240.0
 TABS = ("RENDER", "OUTPUT", "VIEW_LAYER", "SCENE", "WORLD", "OBJECT", "MATERIAL", "DATA")
-
-Steps = Generator[float, None, None]
-
-
-class Frames:
-    """When viewports have drawn which picture of which worker."""
-
-    def __init__(self) -> None:
-        self.drawn: list[tuple[float, int, str]] = []
-        # Numbers of workers: Python gives the identity of one that has ended to another one.
-        numbers: WeakKeyDictionary[Any, int] = WeakKeyDictionary()
-        viewport = importlib.import_module(f"{MODULE}.addon.viewport").ViewportRender
-        original = viewport.draw
-        count = itertools.count(1)
-
-        def draw(view: Any, context: Any, depsgraph: Any) -> str:
-            before = view._drawn
-            line: str = original(view, context, depsgraph)
-            if view._drawn is not before and view._drawn is not None:
-                worker = numbers.setdefault(view._worker, next(count))
-                self.drawn.append((time.monotonic(), worker, view._drawn.line))
-            return line
-
-        viewport.draw = draw
-
-    def passes(self, since: float) -> int:
-        """Passes of the newest picture drawn after ``since``, 0 when there is none."""
-        lines = [line for at, _, line in self.drawn if at > since]
-        return int(lines[-1].split()[1].split("/")[0]) if lines else 0
-
-    def first(self, since: float, old: int) -> float:
-        """Seconds from ``since`` to the first picture by another worker than ``old``."""
-        for at, worker, _ in self.drawn:
-            if at > since and worker != old:
-                return at - since
-        return 0.0
-
-    def until(self, passes: int, what: str) -> Steps:
-        """Wait for a picture of so many passes, drawn from now on."""
-        begin = time.monotonic()
-        yield from until(lambda: self.passes(begin) >= passes, f"{passes} passes {what}")
-
-    @property
-    def worker(self) -> int:
-        """The one that drew last."""
-        return self.drawn[-1][1] if self.drawn else 0
-
-
-def until(condition: Callable[[], object], what: str, patience: float = PATIENCE) -> Steps:
-    """Wait for ``condition``."""
-    end = time.monotonic() + patience
-    while not condition():
-        if time.monotonic() > end:
-            raise TimeoutError(what)
-        yield 0.02
 
 
 def window(which: int = 0) -> Any:
@@ -153,12 +94,16 @@ def _tint(socket: Any) -> None:
     socket.default_value = (blue, 0.8 * green, red, alpha)
 
 
-def timed(frames: Frames, edit: Callable[[], None], what: str) -> Generator[float, None, float]:
-    """Make an edit; the seconds until a picture of it is drawn."""
-    old, begin = frames.worker, time.monotonic()
+def timed(
+    frames: Frames, edit: Callable[[], None], what: str
+) -> Generator[float, None, list[float]]:
+    """Make an edit; seconds until a picture of it is drawn, and those of the processors."""
+    old, begin, used = frames.worker, time.monotonic(), time.process_time()
     edit()
     yield from until(lambda: frames.first(begin, old), f"no picture after the edit: {what}")
-    return frames.first(begin, old)
+    drawn = frames.first(begin, old)
+    assert drawn is not None
+    return [round(drawn.at - begin, 3), round(drawn.processor - used, 3)]
 
 
 def latencies(frames: Frames, found: dict[str, Any]) -> Steps:
@@ -169,14 +114,15 @@ def latencies(frames: Frames, found: dict[str, Any]) -> Steps:
         # The samples are not bound to an engine: they open with Blender's own.
         bpy.context.scene.render.engine = "PHOTONMAP"
         yield 0.2
-        begin = time.monotonic()
+        begin, used = time.monotonic(), time.process_time()
         show_rendered(max(views(), key=lambda a: a.width))
         yield from frames.until(1, sample)
         name = Path(sample).stem
-        found[name] = {"first": round(time.monotonic() - begin, 3)}
+        seconds = [round(time.monotonic() - begin, 3), round(time.process_time() - used, 3)]
+        found[name] = {"first": seconds}
         for what, edit in edits(bpy.context.scene).items():
             seconds = yield from timed(frames, edit, f"{name}: {what}")
-            found[name][what] = round(seconds, 3)
+            found[name][what] = seconds
             yield 0.3
 
 
@@ -210,7 +156,7 @@ def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
     for view in views():
         show_rendered(view)
     yield from until(
-        lambda: len({worker for at, worker, _ in frames.drawn if at > begin}) >= 2,
+        lambda: len({drawn.worker for drawn in frames.drawn if drawn.at > begin}) >= 2,
         "pictures in two viewports",
     )
     yield from frames.until(2, "in two viewports")
@@ -311,16 +257,47 @@ def panels(found: dict[str, Any]) -> Steps:
         found[f"panel {tab}"] = {"contrast": float(pixels.std())}
 
 
+def previews(found: dict[str, Any]) -> Steps:
+    """Pictures of a material, a lamp and a world, made by Blender's jobs in their tabs."""
+    area = max(window().screen.areas, key=lambda a: a.width * a.height)
+    scene = bpy.context.scene
+    lamp = next(o for o in scene.objects if o.type == "LIGHT")
+    chosen = next(o for o in scene.objects if o.type == "MESH")
+    scene.world = scene.world or bpy.data.worlds.new("World")
+    for tab, owner, active in (
+        ("MATERIAL", chosen.material_slots[0].material, chosen),
+        ("DATA", lamp.data, lamp),
+        ("WORLD", scene.world, chosen),
+    ):
+        bpy.context.view_layer.objects.active = active
+        yield 0.5  # The tabs are those of the object that was drawn last.
+        area.spaces.active.context = tab
+        yield 0.5
+        with bpy.context.temp_override(window=window(), area=area, id=owner):
+            bpy.ops.ed.lib_id_generate_preview()
+        begin = time.monotonic()
+        yield from until(lambda owner=owner: _picture_of(owner).any(), f"preview: {tab}")
+        seconds = time.monotonic() - begin
+        found[f"preview {tab}"] = {"seconds": seconds, "mean": _picture_of(owner).mean()}
+        yield 1.0
+        shot(f"preview_{tab.lower()}")
+
+
+def _picture_of(owner: Any) -> Any:
+    return np.array(owner.preview_ensure().image_pixels_float[:])
+
+
 def whole() -> Steps:
     """The whole test."""
     found: dict[str, Any] = {"version": bpy.app.version_string}
     bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.render_display_type = "AREA"
     yield 1.0
-    frames = Frames()
+    frames = Frames(MODULE)
     yield from told(viewport(frames, found), "viewport", found)
     yield from told(final(found), "F12", found)
     yield from told(panels(found), "panels", found)
+    yield from told(previews(found), "previews", found)
     area = max(window().screen.areas, key=lambda a: a.width * a.height)
     area.type = "VIEW_3D"
     yield 0.5

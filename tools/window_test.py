@@ -16,6 +16,7 @@ import argparse
 import json
 import shlex
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -35,6 +36,8 @@ from xwd import read_xwd  # type: ignore[import-not-found]
 
 SAMPLE = "cornell_glass"
 PASSES = 3
+#: What runs inside of Blender.
+SCRIPTS = ("window_steps.py", "frames.py", "screenshots.py", "x_server.py", "xwd.py")
 #: Of the display: the viewport has about a third of it.
 WIDTH, HEIGHT = 800, 560
 #: A picture with less contrast is blank.
@@ -90,7 +93,7 @@ def drive(blender: Blender, display: str, folder: Path) -> dict[str, Any]:
         "samples": [str(copy) for copy in copies],
     }
     (folder / "job.json").write_text(json.dumps(job))
-    for script in ("window_steps.py", "screenshots.py", "x_server.py", "xwd.py"):
+    for script in SCRIPTS:
         shutil.copy(ROOT / "tools" / script, folder)
     done = subprocess.run(
         [blender.command, "--offline-mode", "--window-geometry", "0",
@@ -135,8 +138,18 @@ def tell(found: dict[str, Any]) -> None:
             print(f"  {name}: " + ", ".join(f"{k} {v:.3g}" for k, v in values.items()))
     asked = f"{ASKED_LATENCY} are asked for after an edit"
     print(f"  seconds to the first picture ({asked}), at a load of {found['load']:.1f}:")
+    print("  and, in brackets, seconds of processors that Blender and the render took for it:")
     for name, values in found["latency"].items():
-        print(f"    {name}: " + ", ".join(f"{what} {s:.2f}" for what, s in values.items()))
+        parts = [f"{what} {s:.2f} ({cpu:.2f})" for what, (s, cpu) in values.items()]
+        print(f"    {name}: " + ", ".join(parts))
+    edits = [
+        pair
+        for values in found["latency"].values()
+        for k, pair in values.items()
+        if k != "first"
+    ]
+    medians = [statistics.median(column) for column in zip(*sum(edits, []), strict=True)]
+    print(f"    median of the edits: {medians[0]:.2f} ({medians[1]:.2f})")
 
 
 def try_window(command: str, xvfb: str, folder: Path, shots: Path) -> None:
