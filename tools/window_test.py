@@ -44,7 +44,7 @@ WIDTH, HEIGHT = 800, 560
 LEAST_CONTRAST = 0.02
 #: The viewport's picture beside the headless one, in cells of their size.
 LEAST_CORRELATION, MOST_DISTANCE = 0.97, 0.04
-#: ... and its middle, where there is half the contrast: as much noise weighs more.
+#: ... and its middle, or all of it in a smaller window: noise weighs more there.
 LEAST_OF_PART = 0.93
 #: An edit changes the picture by so much, the noise included.
 LEAST_CHANGE = 0.001
@@ -124,8 +124,8 @@ def judge(found: dict[str, Any]) -> None:
             check(contrast >= LEAST_CONTRAST, f"{name} is blank: {values}")
             change = values.get("change", 1.0)
             check(change >= LEAST_CHANGE, f"{name} changed nothing: {values}")
-    for name, least in (("resized", LEAST_CORRELATION), ("border", LEAST_OF_PART)):
-        check(found[name]["correlation"] >= least, f"{name}: {found[name]}")
+    for name in ("resized", "border"):
+        check(found[name]["correlation"] >= LEAST_OF_PART, f"{name}: {found[name]}")
     check(found["border"]["outside"] <= LEAST_CONTRAST, f"border: {found['border']}")
     check(found["F12"]["pictures"] == 1, "F12 shows no picture")
     check(found["cancel"]["seconds"] <= MOST_CANCEL, f"Escape: {found['cancel']}")
@@ -148,7 +148,7 @@ def tell(found: dict[str, Any]) -> None:
         for k, pair in values.items()
         if k != "first"
     ]
-    medians = [statistics.median(column) for column in zip(*sum(edits, []), strict=True)]
+    medians = [statistics.median(column) for column in zip(*edits, strict=True)]
     print(f"    median of the edits: {medians[0]:.2f} ({medians[1]:.2f})")
 
 
