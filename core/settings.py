@@ -82,7 +82,7 @@ class Settings:
     min_throughput: float = 1e-4
     split_depth: int = 1
     split_least: float = 0.1
-    caustic_radius: float = 2.0
+    caustic_radius: float = 1.4
     alpha: float = 2.0 / 3.0
     pixel_filter: PixelFilter = "BLACKMAN_HARRIS"
     filter_width: float = 1.5

@@ -29,6 +29,7 @@ from .next_event import light_directly
 from .patches import own_patches
 from .paths import start_paths, step_paths
 from .records import PATH, VERTEX
+from .room import ROOM
 from .tree import split, thin_out
 
 
@@ -101,19 +102,22 @@ class Chunk(NamedTuple):
 
 
 class Rays:
-    """Buffers of the rays under way and where they stop."""
+    """Buffers of the rays under way: the thread's, so for one set of rays at a time."""
 
     def __init__(self, prepared: Prepared, count: int) -> None:
-        self.origins = np.zeros((count, 3), np.float32)
-        self.directions = np.zeros((count, 3), np.float32)
-        self.paths = np.zeros(count, PATH)
+        self.origins = ROOM.take("origins", count, "f4", 3)
+        self.directions = ROOM.take("directions", count, "f4", 3)
+        self.paths = ROOM.take("paths", count, PATH)
         self.hits = np.zeros(1, HIT)
         self.lobes = prepared.lobe_room(count)
         self.traced = 0
 
 
 class Lit(NamedTuple):
-    """Vertices that paths left, ``VERTEX`` rows, and the table that holds their lobes."""
+    """Vertices that paths left, ``VERTEX`` rows, and the table that holds their lobes.
+
+    They lie in the thread's room: until the next camera paths, or gather paths, are followed.
+    """
 
     vertices: NDArray[np.void]
     lobes: NDArray[np.void]
@@ -282,8 +286,8 @@ def _follow(
     kinds: KindLight | None = None,
 ) -> Lit:
     """Follow ``count`` chains to their ends."""
-    # The first step ends most chains: the rest add little to a list that fits them.
-    parts: list[NDArray[np.void]] = []
+    name = "gather ends" if gather else "ends"
+    stopped = 0
     own = len(prepared.lobes)
     tables, filled = [prepared.lobes], own
     splits = settings.split_depth > 0 and not gather and bool(prepared.glass.any())
@@ -296,7 +300,7 @@ def _follow(
             if kinds:
                 kinds.add_branches(rays.paths[old:count])
                 samples = kinds.samples
-        vertices = np.zeros(count, VERTEX)
+        vertices = ROOM.take(name, stopped + count, VERTEX, kept=stopped)[stopped:]
         if kinds:
             kinds.begin(rays.paths[:count])
         count, lit, used = step_paths(
@@ -316,8 +320,6 @@ def _follow(
             start[start >= own] += filled - own
             tables.append(rays.lobes[own:used].copy())
             filled += used - own
-        parts.append(vertices)
+        stopped += len(vertices)
     lobes = tables[0] if len(tables) == 1 else np.concatenate(tables)
-    if len(parts) == 1:
-        return Lit(parts[0], lobes)
-    return Lit(np.concatenate(parts) if parts else np.zeros(0, VERTEX), lobes)
+    return Lit(ROOM.take(name, stopped, VERTEX), lobes)

@@ -12,6 +12,7 @@ from ..prepared import Prepared
 from ..settings import Settings
 from .direct import add_direct, sample_direct
 from .kinds import KindLight, directions_to_lights
+from .room import ROOM
 from .shadow import free_part
 
 if TYPE_CHECKING:
@@ -31,11 +32,13 @@ def light_directly(
     count = len(lit.vertices)
     if count == 0:
         return 0
-    origins = np.zeros((count, 3), np.float32)
-    directions = np.zeros((count, 3), np.float32)
-    lengths = np.zeros(count, np.float32)
-    slots, asking, entries = np.zeros((3, count), np.int32)
-    radiance = np.zeros((count, 3))
+    origins = ROOM.take("origins", count, "f4", 3)
+    directions = ROOM.take("directions", count, "f4", 3)
+    lengths = ROOM.take("lengths", count, "f4")
+    slots, asking, entries = (
+        ROOM.take(name, count, "i4") for name in ("slots", "asking", "entries")
+    )
+    radiance = ROOM.take("radiance", count, "f8", 3)
     asked: int = sample_direct(
         i, settings.rays_each, prepared.mesh, prepared.materials, lit.lobes,
         prepared.shading, prepared.lights, lit.vertices, count, origins, directions,

@@ -38,21 +38,21 @@ PATCH = np.dtype(
     [("key", "u8"), ("cut", "i8"), ("whole", "f8", 3), ("inner", "f8", 3)], align=True
 )
 #: Patches that a thread remembers (a power of two): 1.8 MB.
-ROOM = 1 << 15
+REMEMBERED = 1 << 15
 
 
 class _Rooms(threading.local):
     """A table of patches for each thread."""
 
     def __init__(self) -> None:
-        self.table = np.zeros(ROOM, PATCH)
+        self.table = np.zeros(REMEMBERED, PATCH)
 
 
 _ROOMS = _Rooms()
 
 
 def own_patches() -> NDArray[np.void]:
-    """This thread's table (ROOM,) ``PATCH``; each map finds only its own there by its salt."""
+    """This thread's table (REMEMBERED,) ``PATCH``; maps tell theirs by their salt."""
     return _ROOMS.table
 
 

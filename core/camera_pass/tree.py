@@ -21,6 +21,7 @@ from ..geometry.vector import vector
 from ..jit import Row, Table, kernel
 from ..sampling.rng import mix, uniform
 from .records import PATH, REFLECTED, REFRACTED, SPLIT, THIN
+from .room import ROOM
 
 if TYPE_CHECKING:
     from ..prepared import Prepared
@@ -52,12 +53,12 @@ def split(
 
 def make_room(prepared: Prepared, rays: Rays, count: int) -> None:
     """Let there be rows for ``count`` paths; those under way keep theirs."""
-    more = count - len(rays.paths)
-    if more <= 0:
+    own = len(rays.paths)
+    if count <= own:
         return
-    rays.origins = np.concatenate([rays.origins, np.zeros((more, 3), np.float32)])
-    rays.directions = np.concatenate([rays.directions, np.zeros((more, 3), np.float32)])
-    rays.paths = np.concatenate([rays.paths, np.zeros(more, PATH)])
+    rays.origins = ROOM.take("origins", count, "f4", 3, own)
+    rays.directions = ROOM.take("directions", count, "f4", 3, own)
+    rays.paths = ROOM.take("paths", count, PATH, 0, own)
     rays.lobes = prepared.lobe_room(count)
 
 
