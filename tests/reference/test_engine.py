@@ -90,16 +90,34 @@ def test_sun_through_a_slab_arrives_as_a_caustic_of_fresnels_share(theta):
     assert (found["direct"] == 0).all()
 
 
-@pytest.mark.parametrize(("shells", "ior"), [([1.5], 1.5), ([1.33, 1.5], 1.5)])
-def test_radiance_inside_a_medium_is_n_squared(shells, ior):
+def inside_of(shells):
+    """A camera within balls of these indices in a white sky."""
     b = SceneBuilder("inside glass")
     for k, n in enumerate(shells):
         ball = scenes.sphere((0, 0, 0), 2.0 - 0.5 * k, 2)
         b.add_mesh(f"ball {k}", *ball, b.add_material(f"ball {k}", [dielectric(n)]))
     b.set_world(1.0)
     b.set_camera(scenes.camera((0.1, 0.2, -0.1), (1, 1, 0), 6, 6))
-    found = film(b.build()).resolve("emission")
+    return b.build()
+
+
+@pytest.mark.parametrize("split", [{"split_depth": 0}, {"split_depth": 1, "split_least": 1e-6}])
+@pytest.mark.parametrize(("shells", "ior"), [([1.5], 1.5), ([1.33, 1.5], 1.5)])
+def test_radiance_inside_a_medium_is_n_squared(shells, ior, split):
+    """Each path carries all of it: one that is not split, and the branches of one together.
+
+    Branches that are followed by roulette do so in the mean only.
+    """
+    found = film(inside_of(shells), **split).resolve("emission")
     np.testing.assert_allclose(found, ior**2, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("shells", "ior"), [([1.5], 1.5), ([1.33, 1.5], 1.5)])
+def test_roulette_among_branches_keeps_it_in_the_mean(shells, ior):
+    scene = inside_of(shells)
+    runs = family(scene)["emission"]
+    assert runs.std() > 0.0
+    agrees(runs.mean(axis=(1, 2)), np.full(3, ior**2))
 
 
 def test_glowing_box_reaches_its_closed_form():
