@@ -92,19 +92,37 @@ def test_faces_that_only_float32_makes_degenerate_harm_nothing():
         assert abs(x.mean() - y.mean()) < 4.1 * error + 1e-9
 
 
+#: Each path carries all of the light: one that is not split, and the branches of one that
+#: is, together. (By default faint branches are followed by roulette: in the mean only.)
+WHOLE = ({"split_depth": 0}, {"split_depth": 1, "split_least": 1e-6})
+
+
 def furnace(mesh, ior=1.5, eye=(0, -3, 0.4)):
     b = SceneBuilder("furnace")
     b.add_mesh("body", *mesh, b.add_material("glass", [dielectric(ior)]))
     b.set_world(1.0)
     b.set_camera(scenes.camera(eye, (0, 0, 0), 10, 10))
-    return shot(b.build(), camera_depth=1024)["emission"]
+    return b.build()
 
 
-def test_a_flipped_body_loses_no_light():
+def flipped_body():
     points, faces = scenes.sphere((0, 0, 0), 1.0, 2)
-    found = furnace((points, faces[:, ::-1]))
+    return furnace((points, faces[:, ::-1]))
+
+
+@pytest.mark.parametrize("split", WHOLE)
+def test_a_flipped_body_loses_no_light(split):
+    found = shot(flipped_body(), camera_depth=1024, **split)["emission"]
     note(found, 1.0)
     np.testing.assert_allclose(found, 1.0, rtol=1e-5)
+
+
+def test_a_flipped_body_loses_no_light_in_the_mean_by_roulette():
+    means = family(flipped_body(), camera_depth=1024)["emission"].mean(axis=(1, 2, 3))
+    note(means, 1.0)
+    assert means.std() > 0.0
+    # 5.4 standard errors at 7 degrees of freedom: 0.001.
+    assert abs(means.mean() - 1.0) < 5.4 * standard_error(means)
 
 
 @pytest.mark.parametrize("flip", [False, True])
@@ -112,7 +130,8 @@ def test_an_open_shell_keeps_light_between_its_index_squared(flip):
     """Half a ball without a lid: each crossing scales radiance by n^2 or back."""
     points, faces = scenes.sphere((0, 0, 0), 1.0, 2)
     half = faces[points[faces].mean(axis=1)[:, 2] < 0.2]
-    found = furnace((points, half[:, ::-1] if flip else half))
+    scene = furnace((points, half[:, ::-1] if flip else half))
+    found = shot(scene, camera_depth=1024)["emission"]
     assert (found > 1.5**-8).all() and (found < 1.5**8).all()
 
 
@@ -187,8 +206,9 @@ def test_glass_on_a_table_whatever_the_gap(gap):
     assert abs(means.mean() - expected) < 5.4 * standard_error(means) + 0.005 * expected
 
 
+@pytest.mark.parametrize("split", WHOLE)
 @pytest.mark.parametrize("inside", [False, True])
-def test_a_camera_on_a_face_of_glass_sees_one_side_or_the_other(inside):
+def test_a_camera_on_a_face_of_glass_sees_one_side_or_the_other(inside, split):
     """In the plane of the face: radiance 1 (air) or n^2 (glass), in all pixels alike."""
     b = SceneBuilder("on a face")
     b.add_mesh("glass", *scenes.box((-1, -1, -1), (1, 1, 0)),
@@ -196,21 +216,22 @@ def test_a_camera_on_a_face_of_glass_sees_one_side_or_the_other(inside):
     b.set_world(1.0)
     target = (0.1, 0.2, -1.0 if inside else 1.0)
     b.set_camera(scenes.camera((0.1, 0.2, 0.0), target, 8, 8, up=(0, 1, 0)))
-    found = shot(b.build(), camera_depth=1024)["emission"]
+    found = shot(b.build(), camera_depth=1024, **split)["emission"]
     value = found.flat[0]
     assert min(abs(value - 1), abs(value - 2.25)) < 1e-5
     note(found, 1.0 if value < 1.5 else 2.25)
     np.testing.assert_allclose(found, value, rtol=1e-5)
 
 
+@pytest.mark.parametrize("split", WHOLE)
 @pytest.mark.parametrize("offset", [0.0, 1e-7, -1e-7, 1e-5, -1e-5])
-def test_a_camera_at_a_face_of_glass_sees_the_furnace(offset):
+def test_a_camera_at_a_face_of_glass_sees_the_furnace(offset, split):
     b = SceneBuilder("at a face")
     b.add_mesh("glass", *scenes.box((-1, -1, -1), (1, 1, 0)),
                b.add_material("glass", [dielectric(1.5)]))  # fmt: skip
     b.set_world(1.0)
     b.set_camera(scenes.camera((0.1, 0.2, offset), (1, 0.3, offset), 8, 8))
-    found = shot(b.build(), camera_depth=1024)["emission"]
+    found = shot(b.build(), camera_depth=1024, **split)["emission"]
     if offset != 0:
         assert np.minimum(abs(found - 1), abs(found - 2.25)).max() < 1e-5
     # In the plane itself the rays of one pixel fall on either side.

@@ -117,7 +117,7 @@ def test_without_them_nothing_is_done(scene: Scene, monkeypatch: pytest.MonkeyPa
         raise AssertionError("shadow photons were asked")
 
     monkeypatch.setattr("photon_map.core.photon_pass.shadow_map", trap)
-    monkeypatch.setattr("photon_map.core.camera_pass.chunk.decide", trap)
+    monkeypatch.setattr("photon_map.core.camera_pass.next_event.decide", trap)
     *_, last = render(scene, replace(SETTINGS, shadow_photons=0))
     assert last.film.resolve("direct").max() > 0
     with pytest.raises(AssertionError, match="were asked"):
