@@ -25,13 +25,15 @@ STABILITY_TIMEOUT = 2400.0
 SLOPES = """\
 Slope of log MSE over log passes with a 99 % interval over seeds (`tests/convergence`).
 Progressive photon mapping with alpha = 2/3 makes an error shrink like passes^(-2/3) (Knaus
-and Zwicker 2011): the caustics. The discs of the global map shrink with 0.95, so the indirect
-layer falls almost like plain averaging, 1/passes; its two scenes are a ball, where all noise
-is that of the photons, and a glowing box, where discs stick out over borders. Layers without
-photons are averages of scrambled Sobol points, steeper than 1/passes where light is smooth
-(Owen 1997), so theirs is a bound on one side: at least as steep as -0.9. The mean is the
-image's at the most passes over the truth, less 1: within its error, or, for caustics, a bias
-that falls on with their discs.
+and Zwicker 2011): the caustics where all discs are of even size. Crowded discs are smaller
+from the first pass on and stay as they are until the others are as small, after thousands of
+passes here: theirs is a mean of equal estimates, 1/passes. The discs of the global map shrink
+with 0.95, so the indirect layer falls almost like plain averaging; its two scenes are a ball,
+where all noise is that of the photons, and a glowing box, where discs stick out over borders.
+Layers without photons are averages of scrambled Sobol points, steeper than 1/passes where
+light is smooth (Owen 1997), so theirs is a bound on one side: at least as steep as -0.9. The
+mean is the image's at the most passes over the truth, less 1: within its error, or, for
+caustics, a bias that falls on with their discs.
 
 | layer | slope | interval | last three | wanted | mean | bias, share of error | state |
 |---|---|---|---|---|---|---|---|"""
@@ -86,7 +88,7 @@ def convergence(folder: Path) -> Iterator[str]:
     yield SLOPES
     rows = [measure(case) for case in CASES]
     for row in rows:
-        low, high = CAUSTIC_SLOPES if row.layer == "caustics" else OTHER_SLOPES
+        low, high = CAUSTIC_SLOPES if row.layer == "even discs" else OTHER_SLOPES
         steeper = row.layer in ("emission", "direct")
         wanted = f"at most {high:.2f}" if steeper else f"{low:.2f} to {high:.2f}"
         mean = f"{100 * row.offset[-1]:+.2f} ± {100 * row.offset_error[-1]:.2f} %"

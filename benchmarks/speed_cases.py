@@ -18,8 +18,9 @@ class Case:
     """One scene.
 
     ``peers``: engines it is compared with; ``target``: largest share of the best peer's time
-    to relMSE 0.01 that was asked for; ``judge``: the engine of the reference; ``quick``:
-    the peer of ``make bench-quick``, "" when the scene is not in it.
+    to relMSE 0.01 that was asked for; ``judge``: the engine of the reference, ``diffuse_judge``
+    of its pixels that see diffuse surfaces alone, if another; ``quick``: the peers of
+    ``make bench-quick``, none when the scene is not in it.
     """
 
     name: str
@@ -29,6 +30,12 @@ class Case:
     target: float
     judge: str
     quick: tuple[str, ...] = ()
+    diffuse_judge: str = ""
+
+    @property
+    def judges(self) -> tuple[str, ...]:
+        """The engines of the reference."""
+        return (self.judge, self.diffuse_judge) if self.diffuse_judge else (self.judge,)
 
 
 _ALL = (
@@ -43,12 +50,12 @@ _ALL = (
     Case(
         "point_light", "Point light and glass", caustics.point_light,
         ("luxcore_vm", "luxcore_path", "luxcore_bidir", "povray"), 1 / 8, "luxcore_finer",
-        ("luxcore_path",),
+        ("luxcore_path",), "mitsuba_light",
     ),
     Case(
         "nephroid", "Nephroid ring", caustics.nephroid,
         ("luxcore_vm", "luxcore_path"), 1 / 12, "luxcore_finer",
-        ("luxcore_path",),
+        ("luxcore_path",), "mitsuba_light",
     ),
     Case(
         "pool", "Wavy pool", caustics.pool,

@@ -8,6 +8,7 @@ import platform
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import speed_plots
@@ -21,6 +22,7 @@ NAMES = {
     OURS: "Photon Map",
     "cycles": "Cycles",
     "mitsuba": "Mitsuba path",
+    "mitsuba_light": "Mitsuba light tracing",
     "luxcore_path": "LuxCore path + photon cache",
     "luxcore_bidir": "LuxCore bidirectional",
     "luxcore_vm": "LuxCore vertex merging",
@@ -232,12 +234,16 @@ def reference_table(references: Mapping[str, Reference]) -> Iterator[str]:
     yield "| scene | rendered by | seconds of the processor | its own relMSE |"
     yield "|---|---|---|---|"
     for name, reference in references.items():
-        facts = reference.facts
-        by = facts["engine"] + (
-            "" if facts["mode"] == "mitsuba" else f", {NAMES[facts['mode']]}"
-        )
+        by = "; ".join(judged(*pair) for pair in reference.facts["judges"].items())
         noise = f"{reference.noise:.1e}"
         yield f"| {CASES[name].title} | {by} | {reference.work.sum():.0f} | {noise} |"
+
+
+def judged(mode: str, facts: Mapping[str, Any]) -> str:
+    """Who made a reference, and of which part of the pixels."""
+    by = facts["engine"] + ("" if mode == "mitsuba" else f", {NAMES[mode]}")
+    share = facts["pixels"]
+    return by if share == 1.0 else f"{by} ({100 * share:.0f} % of the pixels)"
 
 
 def write(

@@ -165,3 +165,18 @@ def sun_disk(row: Any, parts: Parts, middle: Array) -> tuple[Array, float, Array
     distance = FAR * parts.size
     radiance = row["emission"] / (np.pi * np.sin(half) ** 2)
     return middle + distance * row["axis_z"], distance * float(np.tan(half)), radiance
+
+
+def sun_frame(row: Any, random: np.random.Generator) -> Array:
+    """Frame (4, 4) whose z goes the way of the light of one place of a sun's disk."""
+    angle = 2 * np.pi * random.random()
+    sine = np.sin(float(row["angle"]) / 2) * np.sqrt(random.random())
+    cosine = np.sqrt(1 - sine * sine)
+    x, y, z = (np.asarray(row[f"axis_{c}"], float) for c in "xyz")
+    way = -(sine * np.cos(angle) * x + sine * np.sin(angle) * y + cosine * z)
+    way /= np.linalg.norm(way)
+    side = np.cross(x if abs(x @ way) < 0.9 else y, way)
+    side /= np.linalg.norm(side)
+    frame = np.eye(4)
+    frame[:3, 0], frame[:3, 1], frame[:3, 2] = side, np.cross(way, side), way
+    return frame

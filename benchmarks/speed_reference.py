@@ -129,6 +129,7 @@ class Sums:
     total: Image
     work: NDArray[np.float64]
     chunks: int = 0
+    version: str = ""
 
     @classmethod
     def open(cls, folder: Path, name: str, engine: str, key: str) -> Sums:
@@ -141,16 +142,19 @@ class Sums:
                 if str(kept["key"]) == key and "work" in kept:
                     sums.total, sums.work = kept["total"], kept["work"]
                     sums.chunks = int(kept["chunks"])
+                    sums.version = str(kept["version"]) if "version" in kept else ""
         return sums
 
-    def add(self, image: Image, work: float) -> None:
-        """Count one more image in the part that has least, and keep the sums."""
+    def add(self, image: Image, work: float, version: str = "") -> None:
+        """Count one more image, by ``version`` of the engine, in the part that has least, and
+        keep the sums."""
         part = int(np.argmin(self.work))
         more = np.zeros((PARTS, *image.shape))
         more[part] = image * work
         self.total = self.total + more
         self.work[part] += work
         self.chunks += 1
+        self.version = version
         values = {k: v for k, v in vars(self).items() if k != "path"}
         partial = self.path.with_suffix(".part.npz")
         np.savez(partial, **values)
@@ -168,29 +172,105 @@ class Sums:
         return noise_of(self.parts, self.work) if self.work.all() else float("inf")
 
 
-def sums_of(case: Any, args: argparse.Namespace) -> tuple[Sums, str]:
-    """What is kept of a scene's reference, and the scene's fingerprint."""
-    engine, fingerprint = args.engine or case.judge, digest(case.build())
-    return Sums.open(args.state, case.name, engine, f"{fingerprint} {engine}"), fingerprint
+@dataclass
+class Making:
+    """A reference in the making: the sums of each of its engines, and where each counts.
+
+    ``where`` (h, w) of an engine: the pixels that it judges.
+    """
+
+    case: Any
+    fingerprint: str
+    sums: dict[str, Sums]
+    where: dict[str, NDArray[np.bool_]]
+
+    @classmethod
+    def open(cls, case: Any, args: argparse.Namespace) -> Making:
+        """What is kept of it."""
+        scene = case.build()
+        fingerprint = digest(scene)
+        engines = (args.engine,) if args.engine else case.judges
+        sums = {e: Sums.open(args.state, case.name, e, f"{fingerprint} {e}") for e in engines}
+        assert scene.camera is not None
+        everywhere = np.ones((scene.camera.height, scene.camera.width), np.bool_)
+        if len(engines) == 1:
+            return cls(case, fingerprint, sums, {engines[0]: everywhere})
+        from speed_first_hits import diffuse_pixels
+        from speed_parts import parts_of
+
+        diffuse = diffuse_pixels(parts_of(scene))
+        return cls(
+            case, fingerprint, sums, dict(zip(engines, (~diffuse, diffuse), strict=True))
+        )
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether every engine has given all its parts."""
+        return all(s.work.all() for s in self.sums.values())
+
+    @property
+    def parts(self) -> Image:
+        """The parts (PARTS, h, w, 3), each pixel of the engine that judges it."""
+        return np.sum(
+            [s.parts * self.where[e][..., None] for e, s in self.sums.items()], axis=0
+        )
+
+    @property
+    def work(self) -> NDArray[np.float64]:
+        """Seconds (PARTS,) of the processor; between the parts as in the engines' mean."""
+        works = [s.work for s in self.sums.values()]
+        shares = np.mean([work / work.sum() for work in works], axis=0)
+        whole: NDArray[np.float64] = shares * np.sum(works)
+        return whole
+
+    def errors(self) -> dict[str, float]:
+        """What each engine adds to relMSE; inf before all have given all parts."""
+        if not self.is_whole:
+            return {e: 0.0 if s.work.all() else float("inf") for e, s in self.sums.items()}
+        parts, work = self.parts, self.work
+        mean = np.tensordot(work / work.sum(), parts, axes=1)
+        return {
+            e: noise_of(np.where(self.where[e][..., None], parts, mean), s.work)
+            for e, s in self.sums.items()
+        }
+
+    @property
+    def error(self) -> float:
+        """relMSE of all parts together."""
+        return sum(self.errors().values())
+
+    @property
+    def next_engine(self) -> str:
+        """The one whose next second takes most off the error."""
+        errors = self.errors()
+        return max(errors, key=lambda e: errors[e] / max(self.sums[e].work.sum(), 1e-9))
 
 
-def improve(case: Any, args: argparse.Namespace) -> None:
+def improve(making: Making, args: argparse.Namespace) -> None:
     """Add one image to a reference and write it."""
-    engine = args.engine or case.judge
-    sums, fingerprint = sums_of(case, args)
+    case, engine = making.case, making.next_engine
+    sums = making.sums[engine]
     seed = 7000 + sums.chunks
     image, told = render_chunk(case.name, engine, args.chunk, seed, args.threads)
     if not np.isfinite(image).all():
         raise SystemExit(f"{engine} gave a pixel that is not finite")
-    sums.add(image, told["work"])
-    error = sums.error
-    if args.engine is None and np.isfinite(error):
+    sums.add(image, told["work"], told["engine"])
+    error = making.error
+    if args.engine is None and making.is_whole:
+        parts, work = making.parts, making.work
         facts = {
-            "scene": case.name, "digest": fingerprint, "engine": told["engine"],
-            "mode": engine, "chunks": sums.chunks, "work": [round(w, 1) for w in sums.work],
-            "rel_mse": error, "mean": [float(v) for v in sums.parts.mean(axis=(0, 1, 2))],
+            "scene": case.name, "digest": making.fingerprint,
+            "judges": {
+                e: {
+                    "engine": s.version, "chunks": s.chunks, "work": float(s.work.sum()),
+                    "pixels": float(making.where[e].mean()), "rel_mse": making.errors()[e],
+                }
+                for e, s in making.sums.items()
+            },
+            "work": [round(w, 1) for w in work], "rel_mse": error,
+            "mean": [float(v) for v in parts.mean(axis=(0, 1, 2))],
         }  # fmt: skip
-        write_parts(FOLDER / f"{case.name}.exr", sums.parts)
+        write_parts(FOLDER / f"{case.name}.exr", parts)
         text = json.dumps(facts, indent=2) + "\n"
         (FOLDER / f"{case.name}.json").write_text(text)
     print(
@@ -199,19 +279,20 @@ def improve(case: Any, args: argparse.Namespace) -> None:
     )  # fmt: skip
 
 
-def next_one(sums: dict[str, Sums]) -> str | None:
+def next_one(makings: Sequence[Making]) -> Making | None:
     """Whose turn it is: of those above the first step that not all have reached, the one
     that has least far to go; None when all have reached the last."""
     for step in STEPS:
-        left = {
-            name: s.work.sum() * (s.error / step - 1.0)
-            if np.isfinite(s.error)
-            else s.work.sum()
-            for name, s in sums.items()
-            if s.error > step
-        }
+        left: list[tuple[float, Making]] = []
+        for making in makings:
+            error = making.error
+            work = sum(float(s.work.sum()) for s in making.sums.values())
+            if error > step:
+                left.append(
+                    (work * (error / step - 1.0) if np.isfinite(error) else work, making)
+                )
         if left:
-            return min(left, key=lambda name: left[name])
+            return min(left, key=lambda pair: pair[0])[1]
     return None
 
 
@@ -223,10 +304,10 @@ def main() -> None:
     chosen = [CASES[name] for name in args.scenes or CASES]
     started = time.monotonic()
     while time.monotonic() - started < args.seconds:
-        name = next_one({case.name: sums_of(case, args)[0] for case in chosen})
-        if name is None:
+        making = next_one([Making.open(case, args) for case in chosen])
+        if making is None:
             return
-        improve(CASES[name], args)
+        improve(making, args)
 
 
 def arguments() -> argparse.Namespace:

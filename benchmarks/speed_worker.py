@@ -20,6 +20,7 @@ MODULES = {
     "photonmap": "speed_photonmap",
     "cycles": "speed_cycles",
     "mitsuba": "speed_mitsuba",
+    "mitsuba_light": "speed_light_tracing",
     "luxcore_path": "speed_luxcore",
     "luxcore_fine": "speed_luxcore",
     "luxcore_finer": "speed_luxcore",

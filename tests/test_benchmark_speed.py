@@ -134,19 +134,70 @@ def test_sums_know_their_own_error_and_are_kept(bench, tmp_path):
 def test_all_references_reach_a_step_before_one_goes_on(bench, tmp_path):
     reference = bench("speed_reference")
 
-    def sums(relative: float, work: float) -> Any:
-        offsets = np.array([-1.0, 0.0, 1.0])[:, None, None, None] * np.ones((1, 8, 8, 3))
-        parts = 1.0 + relative * offsets
-        each = np.full(3, work)
-        return reference.Sums(tmp_path, "", parts * each[:, None, None, None], each, 3)
+    def making(relative: float, work: float) -> Any:
+        sums = sums_of(reference, tmp_path, relative, work)
+        return reference.Making(None, "", {"e": sums}, {"e": np.ones((8, 8), bool)})
 
     # A part's variance is relative^2: relMSE relative^2 / 3, but for the weights' noise.
-    rough, rougher, good = sums(0.2, 10.0), sums(0.4, 10.0), sums(0.1, 10.0)
+    rough, rougher, good = making(0.2, 10.0), making(0.4, 10.0), making(0.1, 10.0)
     assert rough.error == pytest.approx(0.2**2 / 3 / 1.01, rel=0.1)
-    assert reference.next_one({"a": rougher, "b": rough, "c": good}) == "b"
-    assert reference.next_one({"a": rougher, "c": good}) == "a"
-    assert reference.next_one({"c": good}) == "c"
-    assert reference.next_one({"d": sums(0.01, 10.0)}) is None
+    assert reference.next_one([rougher, rough, good]) is rough
+    assert reference.next_one([rougher, good]) is rougher
+    assert reference.next_one([good]) is good
+    assert reference.next_one([making(0.01, 10.0)]) is None
+
+
+def sums_of(reference: Any, folder: Path, relative: float, work: float) -> Any:
+    """Three parts of 8x8 pixels, 1 - ``relative``, 1 and 1 + ``relative``."""
+    offsets = np.array([-1.0, 0.0, 1.0])[:, None, None, None] * np.ones((1, 8, 8, 3))
+    parts = 1.0 + relative * offsets
+    each = np.full(3, work)
+    return reference.Sums(folder, "", parts * each[:, None, None, None], each, 3)
+
+
+def test_each_pixel_of_a_reference_is_of_its_own_judge(bench, tmp_path):
+    reference = bench("speed_reference")
+    left = np.arange(8) < np.full((8, 1), 2)
+    sums = {
+        "glass": sums_of(reference, tmp_path, 0.3, 20.0),
+        "floor": sums_of(reference, tmp_path, 0.1, 10.0),
+    }
+    making = reference.Making(None, "", sums, {"glass": left, "floor": ~left})
+    assert making.parts[2, :, :2] == pytest.approx(1.3)
+    assert making.parts[2, :, 2:] == pytest.approx(1.1)
+    # A quarter of the pixels by the one, three quarters by the other.
+    errors = making.errors()
+    assert errors["glass"] == pytest.approx(0.25 * 0.3**2 / 3 / 1.01, rel=0.2)
+    assert errors["floor"] == pytest.approx(0.75 * 0.1**2 / 3 / 1.01, rel=0.2)
+    assert making.work == pytest.approx(30.0)
+    # 0.0075 by 60 s against 0.0025 by 30 s.
+    assert making.next_engine == "glass"
+    sums["floor"].work[2] = 0.0
+    assert making.next_engine == "floor" and making.error == np.inf
+
+
+def test_pixels_beside_glass_are_not_for_the_light_tracer(bench):
+    parts = bench("speed_parts").parts_of(bench("speed_caustics").point_light())
+    mask = bench("speed_first_hits").diffuse_pixels(parts)
+    # The ball's middle, the floor before it, and what is above the floor's end.
+    assert not mask[47, 42] and mask[110, 42] and mask[2, 64]
+    assert 0.8 < mask.mean() < 0.86
+
+
+def test_light_paths_of_a_sun_come_from_within_its_disk(bench):
+    parts = bench("speed_parts")
+    sun = parts.parts_of(bench("speed_caustics").nephroid()).lamps[0]
+    random = np.random.default_rng(3)
+    frames = np.array([parts.sun_frame(sun, random)[:3, :3] for _ in range(400)])
+    assert frames @ frames.transpose(0, 2, 1) == pytest.approx(
+        np.tile(np.eye(3), (400, 1, 1)), abs=1e-9
+    )
+    assert np.linalg.det(frames) == pytest.approx(1.0)
+    sine = np.linalg.norm(np.cross(frames[:, :, 2], sun["axis_z"]), axis=1)
+    most = np.sin(sun["angle"] / 2)
+    assert (frames[:, :, 2] @ sun["axis_z"] < 0).all() and sine.max() <= most * 1.001
+    # Even over the disk: the mean square of the radius is half the greatest.
+    assert (sine**2).mean() == pytest.approx(most**2 / 2, rel=0.1)
 
 
 def test_parts_are_kept_as_halves(bench, tmp_path):
