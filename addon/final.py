@@ -19,6 +19,7 @@ from .insight import remember
 from .job import CURRENT
 from .kernel_cache import use_extension_folder
 from .mattes import matte_stamps
+from .motion import motion_of
 from .passes import active_passes, asked_settings, pass_name
 from .preview import LONG, WAITING, preview_scene, preview_settings
 from .report import ExportError, ExportLog
@@ -36,16 +37,17 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     A break (Escape, Ctrl-C in Blender) ends it and keeps the image so far. The core's
     generator is closed on every way out, so that its threads have ended on return.
     """
-    view_layer = depsgraph.view_layer_eval
-    layer = view_layer.name
     job = CURRENT.get()
-    engine.update_stats("", f"{layer} | Exporting")
+    engine.update_stats("", f"{depsgraph.view_layer_eval.name} | Exporting")
     log = ExportLog()
     try:
+        motion = motion_of(engine, depsgraph, lambda: stopped(engine))
         scene = export_scene(depsgraph, engine, log, lambda: stopped(engine))
     except ExportCancelledError:
-        write_nothing(engine, view_layer)
+        write_nothing(engine, depsgraph.view_layer_eval)
         return
+    view_layer = depsgraph.view_layer_eval
+    layer = view_layer.name
     settings = export_settings(
         depsgraph.scene_eval,
         {
@@ -71,7 +73,11 @@ def render_final(engine: Any, depsgraph: Any) -> None:
     if last is None or last.passes == 0:
         write_nothing(engine, view_layer)
         return
-    write_film(engine, last.film, view_layer, _denoised(engine, depsgraph, last.film, settings))
+    made = {}
+    if motion is not None:
+        made["vector"] = motion.vectors(last.film, scene)
+    denoised = _denoised(engine, depsgraph, last.film, settings)
+    write_film(engine, last.film, view_layer, denoised, made)
     write_stamps(engine, {**matte_stamps(view_layer, scene), **render_stamps(layer, last)})
     if not engine.is_preview:
         remember(depsgraph.scene, last.plan, log.messages, result_line(last))
@@ -176,21 +182,26 @@ def write_stamps(engine: Any, stamps: Mapping[str, str]) -> None:
 
 
 def write_film(
-    engine: Any, film: Film, view_layer: Any, denoised: NDArray[np.float32] | None = None
+    engine: Any,
+    film: Film,
+    view_layer: Any,
+    denoised: NDArray[np.float32] | None = None,
+    made: Mapping[str, NDArray[np.float32]] | None = None,
 ) -> None:
     """Copy the film into the render result; the film's first row is Blender's, the lowest.
 
-    ``denoised`` (h, w, 4) takes the place of Combined.
+    ``denoised`` (h, w, 4) takes the place of Combined. ``made``: layers (h, w, channels)
+    that the film does not have; while they are not known their passes stay as they are.
     """
     result = engine.begin_result(0, 0, film.width, film.height, layer=view_layer.name)
     try:
         if not result.layers:  # the layer was disabled meanwhile
             return
         passes = result.layers[0].passes
-        resolved: dict[str, NDArray[np.float32]] = {}
+        resolved = dict(made or {})
         for entry in active_passes(view_layer):
             target = passes.get(pass_name(entry))
-            if target is None:
+            if target is None or (entry.layer == "vector" and "vector" not in resolved):
                 continue
             if entry.layer not in resolved:
                 resolved[entry.layer] = film.resolve(entry.layer)

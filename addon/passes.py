@@ -1,6 +1,6 @@
 """The one table that says which layer of the film is which pass in Blender.
 
-There is no Vector pass, since motion is not modelled, and no Shadow Catcher.
+There is no Shadow Catcher: such objects are rendered as usual, with a warning.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 class RenderPass(NamedTuple):
     """A layer of the film, and the pass it becomes."""
 
-    layer: str  #: name in ``core.film``
+    layer: str  #: name in ``core.film``; "vector" is made from two of them (``motion.py``)
     name: str  #: name in Blender 5.0 and later
     old_name: str  #: name before 5.0
     channels: str  #: one letter per channel
@@ -37,6 +37,7 @@ PASSES: tuple[RenderPass, ...] = (
     RenderPass("mist", "Mist", "Mist", "Z", "VALUE", "use_pass_mist"),
     RenderPass("position", "Position", "Position", "XYZ", "VECTOR", "use_pass_position"),
     RenderPass("normal", "Normal", "Normal", "XYZ", "VECTOR", "use_pass_normal"),
+    RenderPass("vector", "Vector", "Vector", "XYZW", "VECTOR", "use_pass_vector"),
     RenderPass("uv", "UV", "UV", "UVA", "VECTOR", "use_pass_uv"),
     RenderPass(
         "object_index", "Object Index", "IndexOB", "X", "VALUE", "use_pass_object_index"
@@ -215,6 +216,8 @@ def asked_settings(depsgraph: Any) -> dict[str, Any]:
 
     view_layer = depsgraph.view_layer_eval
     asked = {entry.layer for entry in active_passes(view_layer)}
+    if "vector" in asked:
+        asked.add("place")
     light_kinds = bool(asked & set(KIND_LAYERS))
     if light_kinds:
         asked |= set(KIND_COLORS)

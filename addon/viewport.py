@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.scene.scene import SceneError
-from ..core.settings import SettingsError
+from ..core.settings import AUTOMATIC, SettingsError
 from .export.memory import ExportMemory
 from .export.scene import export_scene
 from .export.settings import export_settings
@@ -32,6 +32,12 @@ if TYPE_CHECKING:
 
 #: Pixels of the first picture, at most: as many as one processor renders in 40 ms.
 FIRST_PIXELS = 8192
+#: Photons of each kind in it, at most.
+FIRST_PHOTONS = 4096
+#: Seconds before the corner says what a render is at: each word draws the whole view anew.
+QUIET = 1.0
+#: Stands between the parts of that line.
+BETWEEN = " | "
 #: Each picture has at most so many times as many pixels a side as the one before.
 FINER = 4
 #: Paths worked on at a time: an edit waits for as many. (8192 take a tenth of a second.)
@@ -75,7 +81,7 @@ class Worker(threading.Thread):
         self._scene, self._settings = scene, settings
         self._before = before
         self._unwanted = threading.Event()
-        self.picture = Picture(None, "Starting")
+        self.picture = Picture(None, "")
 
     def cancel(self) -> None:
         """Have it end; does not wait."""
@@ -97,7 +103,14 @@ class Worker(threading.Thread):
         camera, settings = self._scene.camera, self._settings
         assert camera is not None
         # One ray each, and no look at where the noise comes from or surfaces cross.
-        draft = replace(settings, passes=1, gather_rays=1, draft=True)
+        draft = replace(
+            settings,
+            passes=1,
+            gather_rays=1,
+            draft=True,
+            photons_caustic=fewer(settings.photons_caustic),
+            photons_global=fewer(settings.photons_global),
+        )
         region = settings.region or (0, 0, camera.width, camera.height)
         for step in steps((region[2] - region[0]) * (region[3] - region[1])):
             small = replace(
@@ -123,14 +136,27 @@ class Worker(threading.Thread):
                     pixels = update.film.resolve("combined")
                     place = place_of(scene.camera, settings)
                     self._show(Picture(pixels, line_of(update, settings), place))
-                elif update.passes == 0 and self.picture.pixels is None:
-                    self._show(Picture(None, line_of(update, settings)))
+                elif update.passes == 0 and update.setup_seconds > QUIET:
+                    self._say(update.message or "Rendering")
         finally:
             updates.close()
+
+    def _say(self, doing: str) -> None:
+        """Show what is done, behind the line of a picture that is there."""
+        picture = self.picture
+        coarse = picture.line.split(BETWEEN)[0]
+        line = doing if picture.pixels is None else f"{coarse}{BETWEEN}{doing}"
+        if line != picture.line:
+            self._show(picture._replace(line=line))
 
     def _show(self, picture: Picture) -> None:
         if not self._unwanted.is_set():
             self.picture = picture
+
+
+def fewer(photons: int) -> int:
+    """Photons of the first picture, of a setting for them."""
+    return FIRST_PHOTONS if photons == AUTOMATIC else min(photons, FIRST_PHOTONS)
 
 
 def steps(pixels: int) -> Iterator[int]:
@@ -171,7 +197,7 @@ def line_of(update: Update, settings: Settings) -> str:
     parts = [f"Pass {update.passes}/{settings.passes}"]
     if update.passes >= 2 and update.relative_error < float("inf"):
         parts.append(f"Error {100 * update.relative_error:.1f} %")
-    return " | ".join(parts)
+    return BETWEEN.join(parts)
 
 
 class ViewportRender:
@@ -214,12 +240,12 @@ class ViewportRender:
         if self._scene is not None and view_key(context, scene) != self._view:
             self._start(context, scene)
         picture = self.picture
-        if picture.pixels is not None and picture is not self._drawn:
+        if picture.pixels is not None and self._is_new(picture):
             self._texture, self._drawn = upload(picture.pixels), picture
         if self._texture is not None and self._drawn is not None:
             size = (context.region.width, context.region.height)
             draw_texture(self._texture, self._drawn.place, size)
-        self._line = self._failure or picture.line
+        self._line = self._failure or picture.line or self._line
         return self._line
 
     @property
@@ -230,8 +256,15 @@ class ViewportRender:
     def has_news(self) -> bool:
         """Whether there is more to show than was drawn."""
         picture = self.picture
-        news = picture.pixels is not None and picture is not self._drawn
-        return news or (self._failure or picture.line) != self._line
+        line = self._failure or picture.line
+        return self._is_new(picture) or bool(line and line != self._line)
+
+    def _is_new(self, picture: Picture) -> bool:
+        """Whether its pixels are others than those that were drawn."""
+        drawn = self._drawn
+        return picture.pixels is not None and (
+            drawn is None or picture.pixels is not drawn.pixels
+        )
 
     def close(self) -> None:
         """Stop rendering; the worker ends within a moment."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .baking.bake import bake
+    from .camera.motion import motion_vectors
     from .diagnosis import Finding, why_no_caustic
     from .film.film import Film
     from .film.layers import (
@@ -55,6 +56,7 @@ _HOMES = {
     "bake": ".baking.bake",
     "completed": ".report",
     "group_layer": ".film.layers",
+    "motion_vectors": ".camera.motion",
     "name_bits": ".film.mattes",
     "photon_colours": ".photon_shades",
     "photon_legend": ".photon_shades",
@@ -85,6 +87,7 @@ __all__ = [
     "bake",
     "completed",
     "group_layer",
+    "motion_vectors",
     "name_bits",
     "photon_colours",
     "photon_legend",

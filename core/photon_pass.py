@@ -108,7 +108,7 @@ def pilot_radii(
     if source.batches:
         caustics = any(batch.caustic for batch in source.batches)
         radii = first_radii(prepared, settings, region, source.pilot(), caustics)
-        if caustics:
+        if caustics and not settings.draft:
             # Traced even where the others are baked: they shall be others.
             batch = Batch(True, 0, CROWD, CROWD)
             walk = trace_batch(prepared, settings, PILOT_PASS, batch)

@@ -25,6 +25,8 @@ from .settings import Settings
 PILOT_PASS = 2_000_000_000
 #: Pixels that the pilot looks at, at most.
 PIXELS = 4096
+#: ... and a draft's: half of what an edit waited for was the pilot.
+DRAFT_PIXELS = 1024
 #: Caustic photons that tell where light is focused.
 CROWD = 8192
 #: Photons in the first disc of the final gather's map.
@@ -78,7 +80,7 @@ def first_radii(
     whether there are discs for them at all.
     """
     total = region.width * region.height
-    stride = max(1, total // PIXELS)
+    stride = max(1, total // (DRAFT_PIXELS if settings.draft else PIXELS))
     pixels = Pixels(0, total // stride, stride)
     samples = np.zeros(pixels.count, SAMPLE)
     rays = Rays(prepared, pixels.count)

@@ -108,6 +108,18 @@ class Shading:
         """Whether some light goes straight through."""
         return any(leaf.shader.passes for leaf in self.leaves)
 
+    @property
+    def holdouts(self) -> tuple[Leaf, ...]:
+        """Leaves that are holdouts."""
+        return tuple(leaf for leaf in self.leaves if leaf.shader.holds_out)
+
+    @property
+    def is_holdout(self) -> bool:
+        """Whether it is a hole and nothing else."""
+        whole = bool(self.leaves) and self.holdouts == self.leaves
+        # Less than all of a holdout is a black surface for the rest.
+        return whole and all(leaf.weight >= 1.0 and not leaf.factors for leaf in self.leaves)
+
     def lobes(self) -> tuple[Lobe, ...] | None:
         """Constant lobes, None when the shaders have to be worked out at each hit."""
         if any(normal is not None for normal in self.normals):

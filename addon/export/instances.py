@@ -93,10 +93,22 @@ def _add_mesh(
         # What encloses a volume alone is no wall of the glass.
         ends = arrays.open_faces if seen.all() else open_faces(arrays.vertices, faces)
         warn_open_glass(obj.name, ends & refracts, log)
-    builder.add_mesh(
-        obj.name, vertices, faces, rows, normals, uvs, seen_by,
-        asset=_root(obj).name, index=obj.pass_index,
-    )  # fmt: skip
+    # A hole is a matter of the object: those faces become one of their own.
+    held = materials.holds_out(rows)
+    for part, bits in ((~held, seen_by), (held, seen_by | Visibility.HOLDOUT)):
+        if not part.any():
+            continue
+        builder.add_mesh(
+            obj.name,
+            vertices,
+            faces[part],
+            rows[part],
+            None if normals is None else normals[part],
+            None if uvs is None else uvs[:, part],
+            bits,
+            asset=_root(obj).name,
+            index=obj.pass_index,
+        )
 
 
 def warn_open_glass(name: str, ends: NDArray[np.bool_], log: ExportLog) -> None:

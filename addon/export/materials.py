@@ -44,6 +44,7 @@ class MaterialTable:
         self.pictures = PictureTable(builder, log, memory)
         self._rows: dict[int | None, int] = {}
         self._refracting: set[int] = set()
+        self._holdouts: set[int] = set()
 
     def row(self, material: Any | None) -> int:
         """The row of ``material``, None = the default grey; the view layer may override."""
@@ -76,6 +77,10 @@ class MaterialTable:
     def refracts(self, rows: NDArray[np.int32]) -> NDArray[np.bool_]:
         """Which of ``rows`` are materials that light passes through."""
         return np.isin(rows, list(self._refracting))
+
+    def holds_out(self, rows: NDArray[np.int32]) -> NDArray[np.bool_]:
+        """Which of ``rows`` are materials that are holes in the picture."""
+        return np.isin(rows, list(self._holdouts))
 
     def _add(self, material: Any | None) -> int:
         if material is None:
@@ -121,6 +126,13 @@ class MaterialTable:
             )
         if shading.ior > 0:
             self._refracting.add(row)
+        if shading.is_holdout:
+            self._holdouts.add(row)
+        elif shading.holdouts:
+            self.log.warn(
+                f"{owner}: Holdout cuts no hole where it is mixed with something, its part is "
+                "black"
+            )
         return row
 
     def _body(

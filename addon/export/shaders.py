@@ -11,6 +11,7 @@
 | Subsurface Scattering | diffuse, with one warning |
 | Emission, Background | emission of colour x strength |
 | Principled BSDF | itself; the inputs of ``IGNORED_INPUTS`` are not rendered |
+| Holdout | black; a hole in the picture where the surface is nothing else |
 | nothing linked | black |
 | any other shader | ``FALLBACK``, a grey diffuse lobe, with one warning |
 
@@ -59,11 +60,15 @@ _BLACK = Value(0.0)
 
 @dataclass(frozen=True, eq=False)
 class Shader:
-    """One shader node: what may be textured in ``values``, the rest in ``others``."""
+    """One shader node: what may be textured in ``values``, the rest in ``others``.
+
+    ``holds_out``: it is a hole in the picture, and black in mirrors.
+    """
 
     kind: ClosureKind
     values: dict[str, Value] = field(default_factory=dict)
     others: dict[str, Any] = field(default_factory=dict)
+    holds_out: bool = False
 
     def get(self, name: str) -> Value:
         """A value, 0 where the node has none of the name."""
@@ -270,6 +275,10 @@ def conductor_reflectance(cosine: float, n: Any, k: Any) -> Any:
     return (np.abs(across) ** 2 + np.abs(along) ** 2) / 2.0
 
 
+def _holdout(reader: ValueReader, node: Placed) -> Shader:
+    return Shader(ClosureKind.DIFFUSE, {"color": _BLACK}, holds_out=True)
+
+
 def _emission(reader: ValueReader, node: Placed) -> Shader:
     return Shader(
         ClosureKind.EMISSION, {"emission": emitted(reader, node, "Color", "Strength")}
@@ -334,4 +343,5 @@ SHADERS: dict[str, Callable[[ValueReader, Placed], Shader]] = {
     "BSDF_PRINCIPLED": principled,
     "EMISSION": _emission,
     "BACKGROUND": _emission,
+    "HOLDOUT": _holdout,
 }

@@ -82,6 +82,7 @@ def _keep_single(row: Row, hit: Row, materials: Table, tables: Row, depth: float
         row.position[c] = hit.p[c] + tables.origin[c]
     row.object_index = tables.object_index[tables.face_object[hit.face]]
     row.material_index = materials[hit.row].index
+    store(row.place, (float(hit.face + 1), hit.u, hit.v))
 
 
 @kernel

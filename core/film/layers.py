@@ -25,8 +25,10 @@ def aov_layer(name: str) -> str:
 
 
 #: Data of the surfaces that the camera sees at once, traced on demand (``first_hits``): of
-#: one path, ...
-SINGLE_LAYERS = {"position": 3, "distance": 1, "object_index": 1, "material_index": 1}
+#: one path ("place": the face's number and 1, and the barycentrics of its corners 1 and 2), ...
+SINGLE_LAYERS = {
+    "position": 3, "distance": 1, "object_index": 1, "material_index": 1, "place": 3,
+}  # fmt: skip
 #: ... averaged over the passes, ...
 MEAN_LAYERS = {
     "mist": 1, "uv": 3, "diffuse_color": 3, "glossy_color": 3, "transmission_color": 3,

@@ -72,7 +72,7 @@ def centred_mesh(scene: Scene, centre: Centre) -> Mesh:
 
 def _empty_mesh() -> Mesh:
     """No triangle; kernels never index it because nothing is ever hit."""
-    return Mesh(
+    mesh = Mesh(
         vertices=np.zeros((0, 3), np.float32),
         faces=np.zeros((0, 3), np.int32),
         normals=np.zeros((0, 3, 3), np.float32),
@@ -80,3 +80,7 @@ def _empty_mesh() -> Mesh:
         material=np.zeros(0, np.int32),
         visible=np.zeros(0, np.int32),
     )
+    # As those of a scene are: kernels would be compiled once more for arrays to write to.
+    for part in (mesh.faces, mesh.normals, mesh.material):
+        part.setflags(write=False)
+    return mesh

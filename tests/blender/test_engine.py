@@ -97,9 +97,9 @@ def test_the_unfinished_image_is_shown(
     written: list[int] = []
     real = final.write_film
 
-    def write(engine: Any, film: Any, view_layer: Any, denoised: Any = None) -> None:
+    def write(engine: Any, film: Any, view_layer: Any, *others: Any) -> None:
         written.append(film.passes)
-        real(engine, film, view_layer, denoised)
+        real(engine, film, view_layer, *others)
 
     monkeypatch.setattr(final, "watched", lambda: True)
     monkeypatch.setattr(final, "REDRAW_INTERVAL", 0.0)

@@ -1,4 +1,4 @@
-"""Objects and collections that are held out, beside Cycles on the same scene."""
+"""What is held out, as objects, collections and materials, beside Cycles on the same scene."""
 
 from __future__ import annotations
 
@@ -116,6 +116,77 @@ def test_held_out_is_a_hole_as_in_cycles(bpy: Any, tmp_path: Path, transparent: 
     deep = (combined[0][..., 3] == 0.0) & hole
     for name in ("Depth", "Normal", "DiffCol", "CryptoObject00"):
         np.testing.assert_array_equal(ours[name][deep], cycles[name][deep], err_msg=name)
+
+
+def build_materials(bpy: Any, transparent: bool) -> None:
+    """A floor, and before a mirror a cube of which two sides are a Holdout shader."""
+    build(bpy, transparent)
+    for name in ("Glowing", "Grey", "Veil"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    black = new_material(bpy, "Hole", "ShaderNodeHoldout")
+    cube = add_cube(bpy, "Cube", bpy.data.materials["Brown"])
+    cube.data.materials.append(black)
+    cube.location, cube.rotation_euler = (0.3, 0.2, 0.5), (0.0, 0.0, 0.5)
+    cube.scale = (0.5, 0.5, 0.5)
+    for polygon in cube.data.polygons:
+        # One that the camera sees, and one that the mirror shows.
+        polygon.material_index = int(abs(polygon.normal[1]) > 0.5)
+
+
+@pytest.mark.parametrize("transparent", [True, False])
+def test_the_holdout_shader_is_a_hole_as_in_cycles(
+    bpy: Any, tmp_path: Path, transparent: bool
+) -> None:
+    import addon_utils
+
+    build_materials(bpy, transparent)
+    addon_utils.enable("cycles")
+    scene = bpy.context.scene
+    scene.cycles.samples, scene.cycles.use_denoising = 256, False
+    scene.cycles.use_adaptive_sampling = False
+    scene.photon_map.passes = 64
+    cycles, ours = (rendered(bpy, name, tmp_path) for name in ("CYCLES", "PHOTONMAP"))
+    combined = [image["Combined"] for image in (cycles, ours)]
+    hole = [image[..., 3] == 0.0 for image in combined]
+    assert (hole[0] != hole[1]).mean() < 0.02 and hole[1].mean() > 0.02
+    assert (combined[1][hole[1]] == 0.0).all()
+    # In the mirror and in its shadow it is a black side of a cube.
+    both = (combined[0][..., 3] > 0.999) & (combined[1][..., 3] > 0.999)
+    assert combined[1][both].mean(axis=0) == pytest.approx(
+        combined[0][both].mean(axis=0), rel=0.02
+    )
+    shown = both & (combined[0][..., :3].max(axis=2) < 0.02)
+    assert shown.sum() >= 5, "the mirror shows no black side"
+    assert combined[1][shown].max(axis=0)[:3] == pytest.approx(0.0, abs=0.1)
+    assert combined[1][shown].mean(axis=0)[:3] == pytest.approx(0.0, abs=0.02)
+    deep = hole[0] & hole[1]
+    for name in ("Depth", "Normal", "DiffCol", "CryptoObject00"):
+        np.testing.assert_array_equal(ours[name][deep], cycles[name][deep], err_msg=name)
+
+
+def test_a_mixed_holdout_is_black_and_said(bpy: Any) -> None:
+    add_camera(bpy)
+    material = new_material(bpy, "Mixed", "ShaderNodeHoldout")
+    tree = material.node_tree
+    mix, glow = (tree.nodes.new(f"ShaderNode{name}") for name in ("MixShader", "Emission"))
+    output = tree.get_output_node("CYCLES")
+    hole = output.inputs["Surface"].links[0].from_node
+    mix.inputs[0].default_value = 0.25
+    tree.links.new(hole.outputs[0], mix.inputs[1])
+    tree.links.new(glow.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    add_cube(bpy, "Cube", material)
+    got = export(bpy)
+    (warning,) = got.warnings
+    assert "'Mixed'" in warning and "Holdout" in warning
+    from photon_map.core.scene.tables import Visibility
+
+    assert not (got.scene.object_visibility & Visibility.HOLDOUT).any()
+    assert got.scene.materials["emission"][-1] == pytest.approx([0.25] * 3)
+    mix.inputs[0].default_value = 0.0
+    got = export(bpy)
+    assert not got.warnings
+    assert (got.scene.object_visibility & Visibility.HOLDOUT).all()
 
 
 def test_it_is_the_instancer_that_holds_out(bpy: Any) -> None:

@@ -216,6 +216,39 @@ def test_an_edit_converts_only_what_changed(bpy: Any, core: Any, viewport: Any) 
     assert updated() == 2, "after an undo nothing is sure"
 
 
+def test_what_takes_long_is_said_behind_the_coarse_picture(bpy: Any, viewport: Any) -> None:
+    from photon_map.addon.viewport import KeptBox, Picture, Worker
+
+    worker = Worker(None, None, None, KeptBox())
+    viewport.render._worker = worker
+    assert draw(viewport) == ""
+    worker._say("Compiling")
+    assert viewport.render.has_news()
+    assert draw(viewport) == "Compiling"
+    pixels = np.zeros((3, 4, 4), np.float32)
+    worker._show(Picture(pixels, "Pass 1/1"))
+    assert draw(viewport) == "Pass 1/1"
+    worker._say("pilot pass")
+    worker._say("Rendering")
+    assert viewport.render.has_news()
+    assert draw(viewport) == "Pass 1/1 | Rendering"
+    assert not viewport.render.has_news()
+    assert [seen[0] is pixels for seen in viewport.drawn] == [True, True]
+    # The next render says nothing until it has something to show or takes long.
+    viewport.render._worker = Worker(None, None, None, KeptBox())
+    assert not viewport.render.has_news()
+    assert draw(viewport) == "Pass 1/1 | Rendering"
+
+
+def test_the_coarse_picture_has_few_photons() -> None:
+    from photon_map.addon.viewport import FIRST_PHOTONS, fewer
+    from photon_map.core.settings import AUTOMATIC
+
+    assert [fewer(n) for n in (AUTOMATIC, 0, 10, 10**6)] == [
+        FIRST_PHOTONS, 0, 10, FIRST_PHOTONS,
+    ]  # fmt: skip
+
+
 def test_closing_ends_the_worker(bpy: Any, core: Any, viewport: Any) -> None:
     begun, go_on = threading.Event(), threading.Event()
 
