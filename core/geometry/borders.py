@@ -12,6 +12,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from .adjacency import mark_ends
 from .intersector import Intersector
 from .mesh import Mesh
 from .surfaces import Surfaces
@@ -152,15 +153,12 @@ def border_sides(surfaces: Surfaces, chosen: NDArray[np.bool_]) -> Sides:
     order = surfaces.edges.sides
     order = order[chosen[order // 3]]
     edge = surfaces.edges.of.ravel()[order]
-    inward = surfaces.inward(order)
+    start = np.append(np.flatnonzero(np.diff(edge, prepend=-1)), len(edge))
     ends = np.ones(len(order), np.bool_)
-    for step in range(1, min(_FAN, len(order))):
-        a = np.flatnonzero(edge[:-step] == edge[step:])
-        if len(a) == 0:
-            break
-        b = a + step
-        on = (inward[a] * inward[b]).sum(axis=1) < -SMOOTH_COSINE
-        ends[a[on]] = ends[b[on]] = False
+    mark_ends(
+        surfaces.points, surfaces.mesh.faces, surfaces.normals, order, start,
+        -SMOOTH_COSINE, np.zeros((_FAN, 3)), ends,
+    )  # fmt: skip
     side = np.sort(order[ends])
     return side // 3, side % 3
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .adjacency import fill_boxes, mark_near
 from .borders import ABOVE, BELOW, CROSSING, SMOOTH_COSINE, Borders
 from .intersector import Intersector
 from .surfaces import Edges, Indices, Surfaces
@@ -49,13 +50,11 @@ def _near_others(surfaces: Surfaces, reach: float) -> Indices:
         return np.zeros(0, np.intp)
     if count > _MOST_BOXES:
         return np.arange(len(edges.first))
-    corners = surfaces.mesh.vertices[surfaces.mesh.faces]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    near = np.zeros(len(body), np.bool_)
-    for k in range(count):
-        own = body == k
-        box_low, box_high = low[own].min(axis=0) - reach, high[own].max(axis=0) + reach
-        near |= ~own & (low <= box_high).all(axis=1) & (high >= box_low).all(axis=1)
+    boxes = np.empty((count, 2, 3))
+    boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
+    faces, near = surfaces.mesh.faces, np.zeros(len(body), np.bool_)
+    fill_boxes(surfaces.points, faces, body, boxes)
+    mark_near(surfaces.points, faces, body, boxes, reach, near)
     return np.unique(edges.of[near])
 
 

@@ -11,8 +11,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from .adjacency import connect, fill_normals, sort_sides
 from .mesh import Mesh
-from .triangles import Floats, normals_and_areas
+from .triangles import Floats
 
 Indices: TypeAlias = NDArray[np.intp]
 
@@ -45,9 +46,16 @@ class Surfaces:
         return float(np.abs(self.mesh.vertices).max(initial=0.0))
 
     @cached_property
+    def points(self) -> Floats:
+        """The vertices (V, 3) [m]."""
+        return self.mesh.vertices.astype(np.float64)
+
+    @cached_property
     def normals(self) -> Floats:
         """Unit normals (F, 3) by winding; 0 of a face without area."""
-        return normals_and_areas(self.corners(slice(None)))[0]
+        normals = np.zeros((len(self.mesh.faces), 3))
+        fill_normals(self.points, self.mesh.faces, normals)
+        return normals
 
     @cached_property
     def place(self) -> NDArray[np.int64]:
@@ -73,44 +81,33 @@ class Surfaces:
 
         Connected are faces that share the place of a corner.
         """
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
         place = self.place
-        count = int(place.max(initial=0)) + 1
-        a, b = place[:, [0, 1]].ravel(), place[:, [1, 2]].ravel()
-        graph = coo_array((np.ones(len(a), np.int8), (a, b)), shape=(count, count))
-        part = connected_components(graph, directed=False)[1]
+        part = np.zeros(int(place.max(initial=-1)) + 1, np.int64)
+        count = connect(place, part)
         key = self._face_object * np.int64(count) + part[place[:, 0]]
-        return np.unique(key, return_inverse=True)[1].reshape(-1).astype(np.int32)
+        used = np.zeros(int(key.max(initial=-1)) + 1, np.bool_)
+        used[key] = True
+        number: NDArray[np.int32] = (np.cumsum(used) - 1).astype(np.int32)[key]
+        return number
 
     @cached_property
     def edges(self) -> Edges:
         """The edges; faces may have corners of their own at one place."""
         faces, place = self.mesh.faces, self.place
-        first, second = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-        a, b = place.ravel(), np.roll(place, -1, axis=1).ravel()
-        key = np.minimum(a, b) * (int(place.max(initial=0)) + 1) + np.maximum(a, b)
-        order = np.argsort(key, kind="stable")
-        begin = np.flatnonzero(np.diff(key[order], prepend=-1))
-        start = np.append(begin, len(key))
-        of = np.zeros(len(key), np.intp)
-        of[order] = np.repeat(np.arange(len(begin)), np.diff(start))
-        one = order[begin]
-        return Edges(first[one], second[one], of.reshape(-1, 3), order, start)
+        begin = np.zeros(int(place.max(initial=-1)) + 2, np.intp)
+        sides, of = np.zeros(place.size, np.intp), np.zeros(place.shape, np.intp)
+        start = np.zeros(place.size + 1, np.intp)
+        count = sort_sides(place, begin, sides, of, start)
+        start = start[: count + 1].copy()
+        face, k = np.divmod(sides[start[:-1]], 3)
+        return Edges(
+            faces[face, k].astype(np.intp), faces[face, (k + 1) % 3].astype(np.intp),
+            of, sides, start,
+        )  # fmt: skip
 
     def corners(self, face: Indices | slice) -> Floats:
         """Corners (N, 3, 3) of faces (N,) [m]."""
         return self.mesh.vertices[self.mesh.faces[face]].astype(np.float64)
-
-    def inward(self, side: Indices) -> Floats:
-        """Unit vectors (N, 3) in the faces' planes, inwards from ``side``, as in ``Edges``."""
-        face, k = side // 3, side % 3
-        ends = (self.mesh.vertices[self.mesh.faces[face, j]] for j in (k, (k + 1) % 3))
-        begin, end = (v.astype(np.float64) for v in ends)
-        way = np.cross(self.normals[face], end - begin)
-        unit: Floats = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-300)
-        return unit
 
     def faces_at(self, edge: Indices) -> tuple[Indices, Indices]:
         """Faces at each of ``edge`` (N,): (faces, rows of ``edge``)."""
