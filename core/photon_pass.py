@@ -17,7 +17,7 @@ from .photons.radius import GLOBAL_ALPHA, radius_factor
 from .photons.rows import CELL
 from .photons.shadow import shadow_map
 from .photons.trace import Walk, Watcher, trace_photons
-from .pilot import CROWD, PILOT_PASS, Radii, first_radii, no_radii
+from .pilot import CROWD, DRAFT_CROWD, PILOT_PASS, Radii, first_radii, no_radii
 from .plan import Plan
 from .prepared import Prepared
 from .sampling.rng import PHOTON_CAUSTIC, PHOTON_GLOBAL
@@ -108,11 +108,12 @@ def pilot_radii(
     if source.batches:
         caustics = any(batch.caustic for batch in source.batches)
         radii = first_radii(prepared, settings, region, source.pilot(), caustics)
-        if caustics and not settings.draft:
+        if caustics:
             # Traced even where the others are baked: they shall be others.
-            batch = Batch(True, 0, CROWD, CROWD)
-            walk = trace_batch(prepared, settings, PILOT_PASS, batch)
-            radii = radii._replace(crowd=build_photon_map([walk], radii.caustic[3]))
+            number = DRAFT_CROWD if settings.draft else CROWD
+            walk = trace_batch(prepared, settings, PILOT_PASS, Batch(True, 0, number, number))
+            crowd = build_photon_map([walk], radii.caustic[3])
+            radii = radii._replace(crowd=crowd, crowd_photons=number)
     if settings.shadow_photons:
         radii = radii._replace(shadows=shadow_map(prepared, settings))
     return radii

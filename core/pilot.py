@@ -25,10 +25,10 @@ from .settings import Settings
 PILOT_PASS = 2_000_000_000
 #: Pixels that the pilot looks at, at most.
 PIXELS = 4096
-#: ... and a draft's: half of what an edit waited for was the pilot.
-DRAFT_PIXELS = 1024
 #: Caustic photons that tell where light is focused.
 CROWD = 8192
+#: Both of a draft: half of what an edit waited for was the pilot.
+DRAFT_PIXELS, DRAFT_CROWD = 1024, 1024
 #: Photons in the first disc of the final gather's map.
 GLOBAL_NEIGHBOURS = 20
 #: The grid's cells suit discs of the usual size; this bounds the others, as factors.
@@ -39,7 +39,7 @@ class Radii(NamedTuple):
     """Radii of pass 0. ``caustic``: pixel footprints, least, most, cell; ``global_`` [m].
 
     The borders are in grids for discs of up to those radii. ``shadows``: the shadow photons,
-    None without; ``crowd``: the map of ``CROWD`` caustic photons, None without.
+    None without; ``crowd``: the map of ``crowd_photons`` caustic photons, None without.
     """
 
     caustic: tuple[float, float, float, float]
@@ -48,6 +48,7 @@ class Radii(NamedTuple):
     global_borders: BorderGrid
     shadows: ShadowMap | None = None
     crowd: PhotonMap | None = None
+    crowd_photons: int = CROWD
 
     def with_caustics(self, factor: float) -> Radii:
         """Discs of caustics ``factor`` (1 at most) times as wide."""
@@ -58,7 +59,7 @@ class Radii(NamedTuple):
         """Where passes that emit so many caustic photons are dense."""
         if self.crowd is None:
             return None
-        return Crowd(self.crowd, emitted / CROWD, self.caustic[:3])
+        return Crowd(self.crowd, emitted / self.crowd_photons, self.caustic[:3])
 
 
 def no_radii() -> Radii:

@@ -59,8 +59,8 @@ class Settings:
     ``threads`` 0 takes every core. Neither ``threads`` nor ``chunk_size`` (paths worked on
     at a time) changes a bit of the result.
     ``draft``: a first look in less time, by not looking where surfaces run into others, so
-    that gather discs reach through walls that stand in a floor, nor where caustics are
-    focused, and by choosing the discs from fewer pixels.
+    that gather discs reach through walls that stand in a floor, and by choosing the discs
+    from fewer pixels and photons.
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
     fit the scene, ``stale_maps`` says to trace as usual, to bake them again, or to refuse.
     ``photon_memory`` [MB]: most that both photon maps of a pass, and those of the passes under

@@ -13,6 +13,7 @@ from photon_map.core.camera_pass.chunk import Region
 from photon_map.core.photon_pass import TracedPhotons, photon_batches, pilot_radii
 from photon_map.core.plan import Plan
 from photon_map.core.prepared import prepare
+from photon_map.core.renderer import render
 from photon_map.core.settings import Settings
 from tests.scenes import cornell_glass
 
@@ -41,7 +42,7 @@ def test_without_photons_the_pilot_traces_no_ray(photons: int) -> None:
 
 
 def test_a_draft_leaves_out_what_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where surfaces run into others, where photons crowd; its discs are much the same."""
+    """Where surfaces run into others, and most of the pilot; its discs are much the same."""
     scene = cornell_glass(8)
     settings = Settings(passes=1, draft=True)
     prepared = prepare(scene, settings)
@@ -52,7 +53,19 @@ def test_a_draft_leaves_out_what_takes_long(monkeypatch: pytest.MonkeyPatch) -> 
     whole = pilot_radii(prepared, replace(settings, draft=False), region, source)
     monkeypatch.setattr(pilot, "crossings", refuse)
     draft = pilot_radii(prepared, settings, region, source)
-    assert whole.crowd is not None
-    assert draft.crowd is None
+    assert draft.crowd_photons < whole.crowd_photons
+    assert draft.crowd is not None and len(draft.crowd.photons) > 0
     assert draft.caustic == pytest.approx(whole.caustic, rel=0.1)
     assert draft.global_ == pytest.approx(whole.global_, rel=0.1)
+
+
+def test_a_draft_renders_caustics() -> None:
+    """With the discs and photons of its small pilot."""
+    scene = cornell_glass(16)
+    films = [
+        list(render(scene, Settings(passes=4, gather_rays=1, draft=draft)))[-1].film
+        for draft in (True, False)
+    ]
+    draft, whole = (film.resolve("caustics").mean() for film in films)
+    assert draft == pytest.approx(whole, rel=0.1)
+    assert draft > 0
