@@ -1,21 +1,24 @@
 """What baked photon maps save over a camera's flight, and what they do to the flicker.
 
-    python benchmarks/baked_maps.py
+    python benchmarks/baked_maps.py [--figure] [PHOTONS ...]
 
 Renders 24 frames of a sliding orthographic camera over the glass box's floor, each frame one
 pixel farther, so that every place of the floor is seen at a pixel's middle in every frame:
 once with photons traced for each frame (a seed each, as for an animation) and once with one
-bake for all. Prints the numbers of docs/baking.md.
+bake for all. Prints the numbers of docs/baking.md; with --figure draws
+docs/pictures/baked_maps.png of the fewer photons.
 """
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from figures import draw_flicker
 
 from photon_map.core import Scene, Settings, bake, render
 from photon_map.tests.scenes import cornell_glass, look_at
@@ -38,12 +41,13 @@ def frame_scene(scene: Scene, frame: int) -> Scene:
     return replace(scene, camera=camera)
 
 
-def flight(scene: Scene, settings: list[Settings]) -> tuple[np.ndarray, float, int]:
-    """Caustic layers (frames, places) of the bare floor, place by place; seconds; rays.
+def flight(scene: Scene, settings: list[Settings]) -> tuple[np.ndarray, str, int]:
+    """Caustic layers (frames, h, w), place by place; their time in words; rays.
 
-    Balls are left out: the camera's own choice at glass, reflected or refracted, is noise too.
+    NaN but for the bare floor. Balls are left out: the camera's own choice at glass, reflected
+    or refracted, is noise too.
     """
-    begin = time.perf_counter()
+    begin, used = time.perf_counter(), time.process_time()
     layers, bare, rays = [], [], 0
     for frame, chosen in enumerate(settings):
         *_, last = render(frame_scene(scene, frame), chosen)
@@ -52,41 +56,53 @@ def flight(scene: Scene, settings: list[Settings]) -> tuple[np.ndarray, float, i
         layers.append(layer[:, shared])
         bare.append(abs(last.film.resolve("depth")[:, shared, 0] - 1.9) < 1e-3)
         rays += last.film.statistics.rays
-    seconds = time.perf_counter() - begin
-    return np.stack(layers)[:, np.all(bare, axis=0)], seconds, rays
+    words = (
+        f"{time.perf_counter() - begin:.1f} s ({time.process_time() - used:.1f} of processors)"
+    )
+    return np.where(np.all(bare, axis=0), np.stack(layers), np.nan), words, rays
 
 
 def flicker(layers: np.ndarray) -> float:
     """Root mean square over places of the deviation in time, over the layer's mean."""
-    return float(np.sqrt(layers.var(axis=0, ddof=1).mean()) / layers.mean())
+    return float(np.sqrt(np.nanmean(layers.var(axis=0, ddof=1))) / np.nanmean(layers))
 
 
 def main() -> None:
+    """Both flights with few and with many photons."""
+    parser = argparse.ArgumentParser(description="Baked maps against traced photons.")
+    parser.add_argument("--figure", action="store_true", help="draw the docs' figure")
+    parser.add_argument("photons", nargs="*", type=int, default=[8192, 131072])
+    given = parser.parse_args()
     scene = cornell_glass(SIZE, smooth=True, subdivisions=3)
     *_, _ = render(frame_scene(scene, 0), replace(SETTINGS, passes=1))
     with tempfile.TemporaryDirectory() as folder:
-        for photons in (8192, 131072):
+        for photons in given.photons:
             base = replace(SETTINGS, photons_caustic=photons, photons_global=photons)
-            layers, seconds, rays = flight(
+            traced, words, rays = flight(
                 scene, [replace(base, seed=frame) for frame in range(FRAMES)]
             )
             print(
-                f"{photons} photons a kind, traced: {seconds:.1f} s, {rays / 1e6:.1f} Mrays, "
-                f"flicker {100 * flicker(layers):.1f} %"
+                f"{photons} photons a kind, traced: {words}, {rays / 1e6:.1f} Mrays, "
+                f"flicker {100 * flicker(traced):.1f} %",
+                flush=True,
             )
             path = Path(folder) / "box.pmap"
-            begin = time.perf_counter()
+            begin, used = time.perf_counter(), time.process_time()
             bake(scene, base, path, SETTINGS.passes)
-            baking = time.perf_counter() - begin
+            baking, used = time.perf_counter() - begin, time.process_time() - used
             chosen = replace(base, photon_maps=str(path), stale_maps="REFUSE")
-            layers, seconds, rays = flight(
+            layers, words, rays = flight(
                 scene, [replace(chosen, seed=frame) for frame in range(FRAMES)]
             )
             print(
-                f"{photons} photons a kind, baked: {baking:.1f} + {seconds:.1f} s, "
+                f"{photons} photons a kind, baked: {baking:.1f} ({used:.1f}) + {words}, "
                 f"{rays / 1e6:.1f} Mrays, {path.stat().st_size / 1e6:.1f} MB, "
-                f"flicker {100 * flicker(layers):.1f} %"
+                f"flicker {100 * flicker(layers):.1f} %",
+                flush=True,
             )
+            if given.figure and photons == 8192:
+                deviations = (one.std(axis=0, ddof=1) for one in (traced, layers))
+                draw_flicker(layers.mean(axis=0), *deviations)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,19 @@
 """Kd-tree or grid for photons, and bounding spheres before Embree or not.
 
-    python benchmarks/photon_search.py
+    python benchmarks/photon_search.py [--figures]
 
-Prints the tables of docs/search.md: one thread, best of three.
+Prints the tables of docs/search.md: processor time of one thread, best of three. With
+--figures draws docs/pictures/photon_search.png and bounding_spheres.png.
 """
 
 from __future__ import annotations
 
+import argparse
 import time
 from collections.abc import Callable
 
 import numpy as np
+from figures import Search, draw_culling, draw_search
 from scipy.spatial import cKDTree
 
 from photon_map.core.geometry.intersector import Intersector
@@ -44,12 +47,12 @@ def ask_grid(
 
 
 def timed(work: Callable[[], object]) -> float:
-    """Least seconds of three."""
+    """Least processor seconds of three."""
     best = np.inf
     for _ in range(3):
-        begin = time.perf_counter()
+        begin = time.process_time()
         work()
-        best = min(best, time.perf_counter() - begin)
+        best = min(best, time.process_time() - begin)
     return float(best)
 
 
@@ -65,8 +68,9 @@ def photons_of(count: int, random: np.random.Generator) -> np.ndarray:
     return rows
 
 
-def search() -> None:
+def search() -> list[Search]:
     """Build and ask both structures."""
+    rows: list[Search] = []
     random = np.random.default_rng(1)
     for count in (10_000, 100_000, 1_000_000):
         photons = photons_of(count, random)
@@ -98,6 +102,11 @@ def search() -> None:
             nearest = timed(lambda t=tree, p=places, k=wanted: t.query(p, k=k))
             inside = tree.query_ball_point(places, radius, return_length=True)
             each = 1e6 / len(places)
+            rows.append(
+                Search(
+                    count, wanted, radius, sort, ask * each, plant, ball * each, nearest * each
+                )
+            )
             print(
                 f"{count} photons, {wanted} wanted, r {radius:.4f}: found "
                 f"{found / len(places):.1f} (tree {inside.mean():.1f}); grid built "
@@ -106,6 +115,7 @@ def search() -> None:
                 f"by count {nearest * each:.2f} us",
                 flush=True,
             )
+    return rows
 
 
 @kernel
@@ -125,8 +135,12 @@ def may_hit(spheres: Table, origins: Table, directions: Table, out: Table) -> No
                 break
 
 
-def culling() -> None:
-    """Rays through a cloud of balls: Embree for all, or for those that meet a sphere."""
+def culling() -> dict[int, tuple[float, float, float]]:
+    """Rays through a cloud of balls: Embree for all, or for those that meet a sphere.
+
+    Nanoseconds a ray by bodies: Embree alone, the spheres, Embree for the rest.
+    """
+    rows: dict[int, tuple[float, float, float]] = {}
     random = np.random.default_rng(2)
     count = 200_000
     for bodies in (1, 10, 100):
@@ -159,6 +173,7 @@ def culling() -> None:
         alone = timed(lambda i=intersector, o=o, d=d: i.nearest(o, d))
         test = timed(lambda s=spheres, o=o, d=d, out=out: may_hit(s, o, d, out))
         rest = timed(lambda i=intersector, o=o, d=d, out=out: i.nearest(o[out], d[out]))
+        rows[bodies] = (1e9 * alone / count, 1e9 * test / count, 1e9 * rest / count)
         print(
             f"{bodies} bodies, {len(triangles)} triangles: {100 * hit.mean():.0f} % of rays "
             f"hit, {100 * out.mean():.0f} % meet a sphere; Embree alone "
@@ -167,7 +182,19 @@ def culling() -> None:
             flush=True,
         )
 
+    return rows
+
+
+def main() -> None:
+    """Both comparisons."""
+    parser = argparse.ArgumentParser(description="Kd-tree or grid, and bounding spheres.")
+    parser.add_argument("--figures", action="store_true", help="draw the docs' figures")
+    figures = parser.parse_args().figures
+    rows, culled = search(), culling()
+    if figures:
+        draw_search(rows)
+        draw_culling(culled)
+
 
 if __name__ == "__main__":
-    search()
-    culling()
+    main()

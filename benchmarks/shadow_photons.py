@@ -1,19 +1,22 @@
 """Shadow photons against shadow rays: rays and time saved, and what is decided wrongly.
 
-    python benchmarks/shadow_photons.py [LAMPS ...]
+    python benchmarks/shadow_photons.py [--figure] [LAMPS ...]
 
 A floor with fifty boxes and fifty balls under 1, 4, 64 and 2000 point lamps. Only direct
-light is rendered: no photons of other kinds. The shadow rays alone are timed too, batch by
-batch, and so is the look at the map, and what one ray to one lamp tells with different ways to
-choose that lamp. Prints the tables of docs/shadow_photons.md.
+light is rendered: no photons of other kinds. Times are the processor's. The shadow rays alone
+are timed too, batch by batch, and so is the look at the map, and what one ray to one lamp tells
+with different ways to choose that lamp. Prints the tables of docs/shadow_photons.md; with
+--figure draws docs/pictures/shadow_photons.png of one lamp.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
 from dataclasses import replace
+from typing import Any
 
+import figures
 import numpy as np
 
 from photon_map.core import Scene, SceneBuilder, Settings, render
@@ -44,7 +47,7 @@ SETTINGS = Settings(
 )  # fmt: skip
 
 
-def scene(lamps: int, radius: float) -> Scene:
+def scene(lamps: int, radius: float, size: int = SIZE) -> Scene:
     """Boxes and fine balls on a floor; lamps in a square grid above, of one power in all."""
     b = SceneBuilder(f"{lamps} lamps")
     white = b.add_material("white", [diffuse(0.7)])
@@ -60,15 +63,21 @@ def scene(lamps: int, radius: float) -> Scene:
     for k in range(lamps):
         x, y = (2.5 * (2 * (c + 0.5) / side - 1) for c in divmod(k, side))
         b.add_point_light(f"lamp {k}", (x + 0.1, y - 0.2, 3.0), 30.0 / lamps, radius)
-    b.set_camera(camera((0, -6, 5), (0, 0, 0), SIZE, SIZE))
+    b.set_camera(camera((0, -6, 5), (0, 0, 0), size, size))
     return b.build()
 
 
-def whole_render(world: Scene, photons: int) -> tuple[float, float, int, np.ndarray]:
-    """Seconds of rendering, of the setup, rays, and the direct layer."""
-    *_, last = render(world, replace(SETTINGS, shadow_photons=photons))
+def whole_render(
+    world: Scene, photons: int, passes: int = PASSES
+) -> tuple[float, float, int, np.ndarray]:
+    """Processor seconds of rendering and of the setup, rays, and the direct layer."""
+    begin = middle = time.process_time()
+    for last in render(world, replace(SETTINGS, shadow_photons=photons, passes=passes)):
+        if last.phase == "setup":
+            middle = time.process_time()
+    seconds = time.process_time() - middle
     layer = last.film.resolve("direct").mean(axis=2)
-    return last.seconds, last.setup_seconds, last.film.statistics.rays, layer
+    return seconds, middle - begin, last.film.statistics.rays, layer
 
 
 @kernel
@@ -87,10 +96,11 @@ def decide_bare(
                 verdicts[k] = SHADOWED
 
 
-def parts(world: Scene, photons: int, rays: int) -> dict[str, float]:
+def parts(world: Scene, photons: int, rays: int) -> dict[str, Any]:
     """One camera pass by hand: what the rays cost, what the map costs, what it gets wrong.
 
-    Of at most ``rays`` shadow rays, drawn at random.
+    Of at most ``rays`` shadow rays, drawn at random. The pictures say it of each pixel, which
+    has one ray in a pass.
     """
     settings = replace(SETTINGS, shadow_photons=photons)
     prepared = prepare(world, settings)
@@ -114,27 +124,36 @@ def parts(world: Scene, photons: int, rays: int) -> dict[str, float]:
         pick = np.sort(np.random.default_rng(1).choice(asked, rays, replace=False))
         origins, directions, lengths = origins[pick], directions[pick], lengths[pick]
         asking, entries, asked = asking[pick], entries[pick], rays
-    begin = time.perf_counter()
+    begin = time.process_time()
     shadows = shadow_map(prepared, settings)
-    building = time.perf_counter() - begin
+    building = time.process_time() - begin
     verdicts = np.zeros(asked, np.int32)
     looking, tracing = [], []
     for _ in range(2):
-        begin = time.perf_counter()
+        begin = time.process_time()
         decide(shadows, lit.vertices, asking, entries, directions, asked, verdicts)
-        looking.append(time.perf_counter() - begin)
+        looking.append(time.process_time() - begin)
         ways = origins[:asked], directions[:asked].copy(), lengths[:asked].copy()
-        begin = time.perf_counter()
+        begin = time.process_time()
         free, _ = free_part(prepared, prepared.lobe_room(0), *ways)
-        tracing.append(time.perf_counter() - begin)
+        tracing.append(time.process_time() - begin)
     bare = np.zeros(asked, np.int32)
     decide_bare(shadows, lit.vertices, asking, entries, bare)
     bare_decided = bare != ASK
     bare_wrong = bare_decided & ((bare == LIT) != (free[:, 0] > 0))
     decided = verdicts != ASK
     wrong = decided & ((verdicts == LIT) != (free[:, 0] > 0))
+    pictures = {}
+    for name, told in (("interval", verdicts), ("bare", bare)):
+        picture = np.full(SIZE * SIZE, figures.NONE, np.int8)
+        meaning = np.where(told == LIT, figures.LIT, figures.DARK)
+        meaning[told == ASK] = figures.ASKED
+        meaning[(told != ASK) & ((told == LIT) != (free[:, 0] > 0))] = figures.WRONG
+        picture[lit.vertices["slot"][asking[:asked]]] = meaning
+        pictures[name] = picture.reshape(SIZE, SIZE)
     return {
-        "rays": asked, "saved": decided.mean(), "wrong": wrong.sum() / asked,
+        "pictures": pictures, "rays": asked,
+        "saved": decided.mean(), "wrong": wrong.sum() / asked,
         "look_us": 1e6 * min(looking) / asked, "ray_us": 1e6 * min(tracing) / asked,
         "bare_saved": bare_decided.mean(), "bare_wrong": bare_wrong.sum() / asked,
         "building": building, "radius": shadows.radius, "stored": len(shadows.photons.keys),
@@ -199,19 +218,44 @@ def choices(world: Scene, photons: int, places: int) -> dict[str, float]:
     return dict(zip(names, np.median(found, axis=0), strict=True))
 
 
+def compare_renders(lamps: int) -> None:
+    """Whole renders with rays alone and with shadow photons: time, and pixels that differ."""
+    # A look takes up to a millisecond of many lamps: fewer pixels and passes.
+    size, passes = (SIZE, PASSES) if lamps <= 4 else (128, 2)
+    world = scene(lamps, 0.0, size)
+    seconds, _, rays, truth = whole_render(world, 0, passes)
+    guessed, setup, fewer, layer = whole_render(world, 400_000, passes)
+    error = np.sqrt(((layer - truth) ** 2).mean()) / truth.mean()
+    print(
+        f"  render {size}x{size}, {passes} passes: {seconds:.2f} s, {rays} rays -> "
+        f"{guessed:.2f} s, {fewer} rays, setup {setup:.1f} s, {(layer != truth).sum()} pixels "
+        f"differ, {100 * error:.3f} % rms",
+        flush=True,
+    )
+
+
 def main() -> None:
-    """Print the parts of every case, and whole renders with few lamps."""
+    """Print the parts of every case, and whole renders."""
+    parser = argparse.ArgumentParser(description="Shadow photons against shadow rays.")
+    parser.add_argument("lamps", nargs="*", type=int, default=[1, 4, 64, 2000])
+    parser.add_argument("--figure", action="store_true", help="draw the docs' figure")
+    given = parser.parse_args()
     whole_render(scene(1, 0.0), 1000)
-    wanted = [int(text) for text in sys.argv[1:]] or [1, 4, 64, 2000]
+    maps = {}
     for lamps, radius in ((1, 0.0), (1, 0.1), (4, 0.0), (64, 0.0), (2000, 0.0)):
-        if lamps not in wanted:
+        if lamps not in given.lamps:
             continue
         world = scene(lamps, radius)
         for photons in (50_000, 400_000):
             found = parts(world, photons, {1: 65_536, 4: 65_536, 64: 2048}.get(lamps, 128))
+            if lamps == 1 and radius == 0.0:
+                thousands = photons // 1000
+                maps[f"{thousands} 000 paths, bare rule"] = found["pictures"]["bare"]
+                maps[f"{thousands} 000 paths, interval"] = found["pictures"]["interval"]
             print(
                 f"{lamps} lamps of radius {radius}, {photons} paths: {found['stored']} stored, "
-                f"disc {found['radius']:.3f} m, {100 * found['saved']:.1f} % saved, "
+                f"disc {found['radius']:.3f} m, {found['rays']} rays, "
+                f"{100 * found['saved']:.1f} % saved, "
                 f"{100 * found['wrong']:.3f} % wrong; bare rule "
                 f"{100 * found['bare_saved']:.1f} % saved, "
                 f"{100 * found['bare_wrong']:.3f} % wrong; a look "
@@ -224,16 +268,9 @@ def main() -> None:
             spread = choices(world, *((400_000, 512) if lamps <= 64 else (50_000, 32)))
             words = ", ".join(f"{name} {value:.3f}" for name, value in spread.items())
             print(f"  relative deviation of one ray to one lamp: {words}", flush=True)
-        if lamps > 4:
-            continue
-        seconds, _, rays, truth = whole_render(world, 0)
-        guessed, setup, fewer, layer = whole_render(world, 400_000)
-        error = np.sqrt(((layer - truth) ** 2).mean()) / truth.mean()
-        print(
-            f"  render {seconds:.2f} s, {rays} rays -> {guessed:.2f} s, {fewer} rays, setup "
-            f"{setup:.1f} s, rms difference {100 * error:.2f} %",
-            flush=True,
-        )
+            compare_renders(lamps)
+    if given.figure and maps:
+        figures.draw_verdicts(maps)
 
 
 if __name__ == "__main__":

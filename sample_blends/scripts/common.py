@@ -48,7 +48,7 @@ def new_scene(width: int, height: int) -> bpy.types.Scene:
     return scene
 
 
-def _shader(name: str, node_type: str, **inputs: float | Colour) -> bpy.types.Material:
+def shader(name: str, node_type: str, **inputs: float | Colour) -> bpy.types.Material:
     """A material of one shader node; ``inputs`` by socket name, ``_`` for a space."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
@@ -71,24 +71,24 @@ def _viewport_colour(value: float | Colour) -> Colour:
 
 def diffuse(name: str, colour: Colour) -> bpy.types.Material:
     """A Lambert surface of that albedo."""
-    return _shader(name, "ShaderNodeBsdfDiffuse", Color=colour, Roughness=0.0)
+    return shader(name, "ShaderNodeBsdfDiffuse", Color=colour, Roughness=0.0)
 
 
 def glass(
     name: str, colour: Colour = (1.0, 1.0, 1.0), ior: float = GLASS_IOR, roughness: float = 0.0
 ) -> bpy.types.Material:
     """Glass, smooth and of the report's index when nothing else is said."""
-    return _shader(name, "ShaderNodeBsdfGlass", Color=colour, Roughness=roughness, IOR=ior)
+    return shader(name, "ShaderNodeBsdfGlass", Color=colour, Roughness=roughness, IOR=ior)
 
 
 def refraction(name: str) -> bpy.types.Material:
     """Glass as the report drew it before it knew Fresnel's terms: none is mirrored."""
-    return _shader(name, "ShaderNodeBsdfRefraction", Roughness=0.0, IOR=GLASS_IOR)
+    return shader(name, "ShaderNodeBsdfRefraction", Roughness=0.0, IOR=GLASS_IOR)
 
 
 def mirror(name: str, colour: Colour = (0.9, 0.9, 0.9)) -> bpy.types.Material:
     """A perfect mirror that reflects that share of the light at every angle."""
-    return _shader(name, "ShaderNodeBsdfGlossy", Color=colour, Roughness=0.0)
+    return shader(name, "ShaderNodeBsdfGlossy", Color=colour, Roughness=0.0)
 
 
 def add_mesh(
