@@ -8,8 +8,11 @@ from threading import Event, Lock
 import numpy as np
 from numpy.typing import NDArray
 
+from .focus_pass import wants_focus, with_focus, with_focus_stage
 from .photon_pass import Batch, PhotonSource
+from .photons.focus import Focus
 from .photons.trace import Walk
+from .plan import Plan
 from .prepared import Prepared, prepare, with_camera
 from .scene.scene import Scene
 from .settings import Settings
@@ -34,6 +37,7 @@ class Kept:
         self._scene: Scene | None = None
         self._prepared: Prepared | None = None
         self._walks: dict[tuple[object, ...], Walk] = {}
+        self._focus: dict[tuple[object, ...], Focus] = {}
         self._lock = Lock()
 
     def prepare(self, scene: Scene, settings: Settings, stop: Event) -> Prepared:
@@ -42,9 +46,26 @@ class Kept:
             return with_camera(self._prepared, scene, settings, stop)
         self._scene, self._prepared, self.nbytes = None, None, 0
         self._walks.clear()
+        self._focus.clear()
         prepared = prepare(scene, settings, stop)
         self._scene, self._prepared = scene, prepared
         return prepared
+
+    def focused(
+        self, prepared: Prepared, settings: Settings, plan: Plan
+    ) -> tuple[Prepared, Plan]:
+        """``prepared`` with the places where photons crowd, and the plan that tells of them.
+
+        As they are where nobody asks for them.
+        """
+        if not wants_focus(settings, plan):
+            return prepared, plan
+        caustics = plan.is_on("caustics")
+        key = (settings.seed, settings.photon_depth, caustics)
+        if key not in self._focus:
+            self._focus[key] = with_focus(prepared, settings, caustics).focus
+        found = self._focus[key]
+        return prepared._replace(focus=found), with_focus_stage(plan, found)
 
     def leave(self, room: int) -> None:
         """Keep no more than ``room`` bytes of photons from now on."""
@@ -59,7 +80,8 @@ class Kept:
 
     def walk(self, source: PhotonSource, settings: Settings, i: int, batch: Batch) -> Walk:
         """As ``source.walk``, from memory where it has been asked for before."""
-        key = (settings.seed, settings.photon_depth, settings.photon_maps, i, batch)
+        told = (settings.photon_maps, source.focused)
+        key = (settings.seed, settings.photon_depth, *told, i, batch)
         found = self._walks.get(key)
         if found is None:
             found = source.walk(i, batch)
@@ -76,6 +98,7 @@ class _KeptPhotons:
     def __init__(self, kept: Kept, source: PhotonSource, settings: Settings) -> None:
         self._kept, self._source, self._settings = kept, source, settings
         self.batches = source.batches
+        self.focused = source.focused
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """What ``batch`` of pass ``i`` left."""

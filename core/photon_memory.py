@@ -113,7 +113,8 @@ def affordable(prepared: Prepared, settings: Settings, plan: Plan, pixels: int) 
     """
     batches = photon_batches(plan, settings, pixels)
     counts = emitted(batches)
-    worst = Stored(*(float(count * settings.photon_depth) for count in counts))
+    rows = 2 if prepared.focus.found else 1
+    worst = Stored(*(float(rows * count * settings.photon_depth) for count in counts))
     if Budget.of(settings).bytes_of(worst, AHEAD) <= settings.photon_memory << 20:
         return Afforded(batches, worst)
     each = [_stored_each(prepared, settings, k == 0) if counts[k] else 0.0 for k in (0, 1)]
@@ -147,21 +148,22 @@ class PhotonMemory:
         self._building = 0
         #: Passes that are traced ahead of the one in use.
         self.ahead = AHEAD
-        #: Bytes that are left below the limit.
-        self.room = 0
 
     @property
     def peak(self) -> int:
         """Most memory [bytes] that the maps so far have taken, with those under way."""
         return self._others + self._in_use + self.ahead * self._building
 
-    def expect(self, stored: Stored, radii: Radii) -> None:
-        """Decide for passes that store so many photons, beside what ``radii`` keep."""
+    def expect(self, stored: Stored, radii: Radii) -> int:
+        """Decide for passes that store so many photons, beside what ``radii`` keep.
+
+        Returns the bytes that are left below the limit.
+        """
         self._others = bytes_in(radii.crowd) if radii.crowd is not None else 0
         budget = Budget.of(self._settings, self._others)
         fits = budget.bytes_of(stored, AHEAD) <= budget.limit
         self.ahead = AHEAD if fits else LEAST_AHEAD
-        self.room = budget.limit - budget.bytes_of(stored, self.ahead)
+        return budget.limit - budget.bytes_of(stored, self.ahead)
 
     def fits_with(self, stored: Stored) -> Callable[[float], bool]:
         """Whether passes that store ``stored`` may have so many times the caustic photons."""
@@ -175,7 +177,12 @@ class PhotonMemory:
 
     def count(self, sides: Sequence[PhotonMaps]) -> None:
         """Count the maps of a pass, all lights' and each group's."""
-        found = [m for maps in sides for m in (maps.caustic, maps.global_) if m is not None]
+        found = [
+            m
+            for maps in sides
+            for m in (maps.caustic, maps.global_, maps.focus)
+            if m is not None
+        ]
         copies = sum(
             m.photons.nbytes
             for maps in sides

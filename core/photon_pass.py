@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from .camera_pass.chunk import PhotonMaps, Region
 from .camera_pass.density import DensityMaps
+from .camera_pass.focus import FOCUS_DISC
 from .film.layers import DENSITY_LAYER
+from .photons.focus import parted
 from .photons.photon_map import build_photon_map
 from .photons.radius import GLOBAL_ALPHA, radius_factor
 from .photons.rows import CELL
@@ -55,9 +57,13 @@ def photon_batches(plan: Plan, settings: Settings, pixels: int) -> list[Batch]:
 
 
 class PhotonSource(Protocol):
-    """Where the photons of a render come from: ``batches`` of each pass, walks, a pilot."""
+    """Where the photons of a render come from: ``batches`` of each pass, walks, a pilot.
+
+    ``focused``: whether they are shared out at crowded places (``photons.focus``).
+    """
 
     batches: list[Batch]
+    focused: bool
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """What ``batch`` of pass ``i`` left."""
@@ -73,6 +79,7 @@ class TracedPhotons:
         self._prepared = prepared
         self._settings = settings
         self.batches = batches
+        self.focused = prepared.focus.found > 0
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """Emit and trace one batch of pass ``i``."""
@@ -128,6 +135,9 @@ def photon_maps(
     caustic = [w for b, w in zip(batches, walks, strict=True) if b.caustic]
     global_ = [w for b, w in zip(batches, walks, strict=True) if not b.caustic]
     footprints, least, most, cell = (factor * r for r in radii.caustic)
+    caustic, focused = parted(caustic)
+    global_, others = parted(global_)
+    focused += others
     caustic_map = build_photon_map(caustic, cell) if caustic else None
     global_map = build_photon_map(global_, CELL * global_radius) if global_ else None
     counts = DENSITY_LAYER in settings.first_hit
@@ -145,4 +155,6 @@ def photon_maps(
         shadows=radii.shadows,
         crowd=radii.crowd_of(sum(b.count for b in batches if b.caustic)),
         counted=DensityMaps.of(caustic_map, global_map) if counts else None,
+        focus=build_photon_map(focused, FOCUS_DISC * cell) if focused else None,
+        focus_radii=(FOCUS_DISC * footprints, FOCUS_DISC * least, FOCUS_DISC * most),
     )

@@ -20,6 +20,7 @@ from .geometry.touching import overlapped
 from .lights.light_set import LightSet, light_set
 from .photons.aim import Aim, aim_at
 from .photons.casters import receiver_materials
+from .photons.focus import Focus, no_focus
 from .scene.scene import Scene, SceneError
 from .scene.tables import LOBE, Visibility
 from .settings import Settings
@@ -32,7 +33,8 @@ class Prepared(NamedTuple):
     ``light_media`` (N+2, 1 + STACK) i4 and ``camera_media`` (1 + STACK,): count and rows
     of the media that the light or the camera stands in. ``receivers`` (M,) bool: the
     materials that photons are stored on; ``glass`` (M,) those that camera paths may split at.
-    ``first_hits``: None when no layer needs it.
+    ``first_hits``: None when no layer needs it
+    ``focus``: where photons crowd, once it is known.
     ``face_object`` (F,) i4.
     """
 
@@ -52,6 +54,7 @@ class Prepared(NamedTuple):
     receivers: NDArray[np.bool_]
     glass: NDArray[np.bool_]
     first_hits: FirstHitTables | None = None
+    focus: Focus = no_focus()
 
     def lobe_room(self, surfaces: int) -> NDArray[np.void]:
         """The lobe table, with room behind it for those worked out at ``surfaces`` hits.

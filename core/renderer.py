@@ -113,9 +113,8 @@ class _Render:
                 self.pool.submit(self.kept.prepare, self.scene, self.settings, self.stop),
                 "building the scene",
             )
-            pixels = self.region.width * self.region.height
-            source, self.plan, afforded = yield from self._watch(
-                self.pool.submit(self._photons, prepared, pixels),
+            prepared, source, afforded = yield from self._watch(
+                self.pool.submit(self._photons, prepared),
                 "photon maps" if self.settings.photon_maps else pilot,
             )
             traced = isinstance(source, TracedPhotons)
@@ -123,7 +122,7 @@ class _Render:
             source = self.kept.photons(source, self.settings)
             asked = (prepared, self.settings, self.region, source)
             radii = yield from self._watch(self.pool.submit(pilot_radii, *asked), pilot)
-            self._expect(afforded.stored, radii)
+            self.kept.leave(self.memory.expect(afforded.stored, radii))
             warm_up = self.pool.submit(self._warm_up, prepared, radii, source)
             yield from self._watch(warm_up, pilot)
             self.compiling = False
@@ -164,9 +163,13 @@ class _Render:
             yield self._update("setup", message)
         return future.result()
 
-    def _photons(self, prepared: Prepared, pixels: int) -> tuple[PhotonSource, Plan, Afforded]:
-        afforded = affordable(prepared, self.settings, self.plan, pixels)
-        return photon_source(self.scene, self.settings, self.plan, prepared, afforded)
+    def _photons(self, prepared: Prepared) -> tuple[Prepared, PhotonSource, Afforded]:
+        prepared, plan = self.kept.focused(prepared, self.settings, self.plan)
+        pixels = self.region.width * self.region.height
+        afforded = affordable(prepared, self.settings, plan, pixels)
+        asked = (self.scene, self.settings, plan, prepared, afforded)
+        source, self.plan, afforded = photon_source(*asked)
+        return prepared, source, afforded
 
     def _afford(self, afforded: Afforded, traced: bool) -> None:
         """Keep to what there is memory for."""
@@ -179,16 +182,13 @@ class _Render:
                     self.settings, photons_caustic=caustic, photons_global=global_
                 )
 
-    def _expect(self, stored: Stored, radii: Radii) -> None:
-        """Share the memory out for passes that store so many photons."""
-        self.memory.expect(stored, radii)
-        self.kept.leave(self.memory.room)
-
     def _warm_up(self, prepared: Prepared, radii: Radii, source: PhotonSource) -> None:
         """A few pixels through every kernel: compiling is set-up, not rendering."""
         few = [replace(batch, count=min(batch.count, 16)) for batch in source.batches]
         walks = [source.walk(0, batch) for batch in few]
         maps = photon_maps(self.settings, radii, 0, few, walks)
+        if prepared.focus.found and maps.focus is None:
+            maps = maps._replace(focus=maps.global_)
         total = self.region.width * self.region.height
         stride = max(1, total // 256)
         pixels = Pixels(0, total // stride, stride)
@@ -221,12 +221,11 @@ class _Render:
             )
             for camera, photons in ((0, 0), (1, 1), (0, 1))
         ]
-        first = yield from self._watch(parts[0], asked)
-        second = yield from self._watch(parts[1], asked)
-        third = yield from self._watch(parts[2], asked)
-        seen = Look(first, second, third, source.batches, found)
-        before = self.settings
-        stored = stored_in(seen.batches, found)
+        chunks = []
+        for part in parts:
+            chunks.append((yield from self._watch(part, asked)))
+        seen = Look(chunks[0], chunks[1], chunks[2], source.batches, found)
+        before, stored = self.settings, stored_in(seen.batches, found)
         fits = self.memory.fits_with(stored)
         self.settings = balanced(before, seen, self.region, traced, fits)
         self.plan = self.plan._replace(stages=(*self.plan.stages, stage_of(self.settings)))
@@ -236,7 +235,8 @@ class _Render:
             source = TracedPhotons(prepared, self.settings, batches)
             source = self.kept.photons(source, self.settings)
             factor = emitted(batches)[0] / max(1, emitted(seen.batches)[0])
-            self._expect(Stored(factor * stored.caustic, stored.global_), radii)
+            stored = Stored(factor * stored.caustic, stored.global_)
+            self.kept.leave(self.memory.expect(stored, radii))
         return radii.with_caustics(self.settings.caustic_radius / before.caustic_radius), source
 
     def _sides(self, prepared: Prepared, source: PhotonSource) -> list[_Side]:

@@ -61,6 +61,8 @@ class Settings:
     ``draft``: a first look in less time, by not looking where surfaces run into others, so
     that gather discs reach through walls that stand in a floor, and by choosing the discs
     from fewer pixels and photons.
+    ``focus``: whether photons, instead of gather rays, bring the light of small bright places
+    (``photons/focus``).
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
     fit the scene, ``stale_maps`` says to trace as usual, to bake them again, or to refuse.
     ``photon_memory`` [MB]: most that both photon maps of a pass, and those of the passes under
@@ -104,6 +106,7 @@ class Settings:
     shadow_dark: float = 0.96
     shadow_least: int = 16
     draft: bool = False
+    focus: bool = True
 
     def __post_init__(self) -> None:
         for name, (low, high) in _RANGES.items():

@@ -1,6 +1,7 @@
 """A pass whose photons are looked at: what the gather discs of a place hold, and whence.
 
-The discs are those of a render: their radii, borders and gates. The way of each photon from
+The discs are those of a render: their radii, borders and gates. Photons have their whole flux,
+before crowded places share it out (``photons.focus``). The way of each photon from
 its light is traced again; a pass depends on nothing but scene, settings and its number.
 """
 

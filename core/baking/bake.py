@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..focus_pass import wants_focus, with_focus
 from ..photon_memory import Afforded, Budget, Stored, emitted
 from ..photon_pass import Batch, PhotonSource, TracedPhotons, photon_batches
 from ..photons.trace import PHOTON, Walk
@@ -52,6 +53,8 @@ def bake(
     camera = scene.camera
     assert camera is not None  # prepare has looked
     plan = Plan.of(scene, settings)
+    if wants_focus(settings, plan):
+        prepared = with_focus(prepared, settings, plan.is_on("caustics"))
     batches = photon_batches(plan, settings, camera.width * camera.height)
     source = TracedPhotons(prepared, settings, batches)
     return write_bake(scene, settings, prepared, source, path, passes, on_pass)
@@ -103,7 +106,12 @@ def _in_order(source: PhotonSource, i: int) -> tuple[NDArray[np.void], NDArray[n
 
 
 class BakedPhotons:
-    """The photons of a file in place of traced ones; see ``photon_pass.PhotonSource``."""
+    """The photons of a file in place of traced ones; see ``photon_pass.PhotonSource``.
+
+    What they are of crowded places was settled when they were baked.
+    """
+
+    focused = False
 
     def __init__(self, file: MapsFile, plan: Plan) -> None:
         self._file = file

@@ -39,7 +39,7 @@ _KINDS = ("caustic", "global")
 _PILOT = "pilot.npy"
 _FIELDS = PHOTON.names or ()
 #: Parts of lobes that a photon may name (``bsdf.dispatch``).
-_PARTS = 4
+_PARTS = 5
 _NPY_HEADER = 256
 #: No maps are compressed by more: their positions have random digits.
 _MOST_RATIO = 50

@@ -23,6 +23,7 @@ from ..settings import Settings
 from .caustics import gather_caustics
 from .density import DensityMaps, count_photons
 from .first_hit import step_first_hits
+from .focus import gather_focus
 from .indirect import gather_indirect, gather_order, start_gather
 from .kinds import KindLight, add_rows
 from .next_event import light_directly
@@ -57,7 +58,8 @@ class PhotonMaps(NamedTuple):
     rays, None when they are all traced; ``crowd``: where discs of caustics are smaller.
     ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m]; ``salt``: a
     number of its own. ``counted``: the maps to ask how many photons there are, None when no
-    layer tells it.
+    layer tells it. ``focus``: what crowded places send out, None without, with discs of
+    ``focus_radii``, as those of caustics.
     """
 
     caustic: PhotonMap | None
@@ -73,6 +75,8 @@ class PhotonMaps(NamedTuple):
     shadows: ShadowMap | None = None
     crowd: Crowd | None = None
     counted: DensityMaps | None = None
+    focus: PhotonMap | None = None
+    focus_radii: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -175,7 +179,15 @@ def _gather(
             np.zeros(SIGHT),
         )  # fmt: skip
         if kinds:
-            kinds.add_caustics(ends, *asked)
+            kinds.add_photons(ends, *asked, samples["caustics"])
+    if maps.focus is not None:
+        asked = (prepared.camera, maps.focus, maps.caustic_borders, maps.focus_radii)
+        light = np.zeros(len(samples), SAMPLE)
+        gather_focus(ends.lobes, *asked, ends.vertices, light, np.zeros(SIGHT))
+        for layer in ("indirect", "shrink"):
+            samples[layer] += light[layer]
+        if kinds:
+            kinds.add_photons(ends, *asked, light["indirect"])
     rays = Rays(prepared, len(ends.vertices) * settings.rays_each)
     count = _start_gather(prepared, settings, i, ends, rays)
     rows = samples

@@ -114,18 +114,19 @@ class KindLight:
         vertices, lobes = lit
         add_by_kind(lobes, vertices, asking, directions, light, self._kind, indirect, self.out)
 
-    def add_caustics(
+    def add_photons(
         self,
         lit: Lit,
         camera: Row,
         photon_map: PhotonMap,
         borders: BorderGrid,
         radii: tuple[float, float, float],
+        light: NDArray[np.float64],
     ) -> None:
-        """Share out the caustics of ``samples``, which were gathered at ``lit`` alone."""
-        split_caustics(
+        """Share out ``light`` (n, 3) of the samples, gathered from photons at ``lit`` alone."""
+        split_photons(
             lit.lobes, camera, photon_map, borders, radii, lit.vertices, self._kind,
-            self.samples, np.zeros(SIGHT), self.out,
+            np.ascontiguousarray(light), np.zeros(SIGHT), self.out,
         )  # fmt: skip
 
     def finished(self) -> tuple[NDArray[np.void], NDArray[np.float64]]:
@@ -219,7 +220,7 @@ def add_by_kind(
 
 
 @kernel
-def split_caustics(
+def split_photons(
     lobes: Table,
     camera: Row,
     photon_map: Row,
@@ -227,14 +228,14 @@ def split_caustics(
     radii: Table,
     vertices: Table,
     chain: Table,
-    samples: Table,
+    gathered: Table,
     sight: Table,
     out: Table,
 ) -> None:
-    """See ``KindLight.add_caustics``: photons are gathered again where kinds are mixed."""
+    """See ``KindLight.add_photons``: photons are gathered again where kinds are mixed."""
     for k in range(len(vertices)):
         vertex = vertices[k]
-        light = samples[vertex.slot].caustics
+        light = gathered[vertex.slot]
         target = out[vertex.slot]
         if max(light[0], max(light[1], light[2])) == 0.0:
             continue

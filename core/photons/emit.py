@@ -28,7 +28,8 @@ from .aim import aim_distant, aim_local
 #: its path in the pass; ``depth``: events so far, ``steps``: surfaces so far;
 #: ``visibility`` bits of what it comes from, its light ``entry`` or the object of its last
 #: event; ``passed``: surfaces that it met on its straight way from a lamp without shadows;
-#: ``part`` of the lobes that answers to it (``trace.PHOTON``);
+#: ``part`` of the lobes that answers to it (``trace.PHOTON``); ``focused``: the share of its
+#: flux, per channel, that counts where it lands since it left a crowded place (``focus``);
 #: ``lobe_start`` and ``lobe_count``: the lobes of the surface that it is on.
 PHOTON_PATH = np.dtype(
     [
@@ -36,6 +37,7 @@ PHOTON_PATH = np.dtype(
         ("index", "i8"),
         ("flux", "f8", 3),
         ("direction", "f8", 3),
+        ("focused", "f8", 3),
         ("depth", "i4"),
         ("steps", "i4"),
         ("lobe_start", "i4"),
@@ -139,6 +141,7 @@ def emit_photons(
         path.index = k
         path.depth = path.steps = path.passed = 0
         path.part = WIDE if aimed else SPREADING
+        store(path.focused, (0.0, 0.0, 0.0))
         path.visibility = visibility_of(lights, entry)
         path.entry = entry
         store(path.flux, flux)

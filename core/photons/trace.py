@@ -20,7 +20,7 @@ from ..bsdf.scatter import choose_transparency, goes_through, scatter
 from ..geometry.interaction import leave
 from ..geometry.intersector import Hits
 from ..geometry.media import cross_surface, current_medium, transmittance
-from ..geometry.vector import Vector, dot, read, scale, store, vector
+from ..geometry.vector import Vector, dot, read, scale, store, times, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import casts_shadow
 from ..lights.emission import reaches
@@ -29,6 +29,7 @@ from ..scene.tables import Visibility
 from ..settings import Settings
 from .adjoint import MOST_CORRECTION, adjoint_weight, normal_correction
 from .emit import FIRST_BOUNCE, PHOTON_PATH, emit_photons
+from .focus import FOCUSED, is_focused, mark, share_out
 
 if TYPE_CHECKING:
     from ..prepared import Prepared
@@ -110,12 +111,13 @@ def trace_photons(
         hits = prepared.intersector.nearest(origins[:alive], directions[:alive])
         if watcher is not None:
             watcher(paths[:alive], origins[:alive], hits)
-        photons = np.zeros(alive, PHOTON)
-        order = np.zeros(alive, np.int64)
+        most = 2 * alive if prepared.focus.found > 0 and not aimed else alive
+        photons = np.zeros(most, PHOTON)
+        order = np.zeros(most, np.int64)
         alive, kept = step_photons(
             prepared.mesh, prepared.materials, room, prepared.shading, prepared.lights,
-            len(prepared.lobes), aimed, settings.photon_depth, hits.face, hits.u, hits.v,
-            meeting, alive, origins, directions, paths, photons, order,
+            prepared.focus, len(prepared.lobes), aimed, settings.photon_depth, hits.face,
+            hits.u, hits.v, meeting, alive, origins, directions, paths, photons, order,
         )  # fmt: skip
         stored.append(photons[:kept])
         orders.append(order[:kept])
@@ -125,12 +127,13 @@ def trace_photons(
 
 
 @kernel
-def _store(photon: Row, hit: Row, path: Row, ratio: float) -> None:
+def _store(photon: Row, hit: Row, path: Row, ratio: float, share: Vector, part: int) -> None:
+    """The ``share`` of a photon's flux, per channel, that ``part`` of the lobes answers to."""
     store(photon.position, vector(hit.p))
     store(photon.direction, vector(hit.wo))
     store(photon.normal, vector(hit.ng))
-    store(photon.flux, scale(vector(path.flux), ratio))
-    photon.part = path.part
+    store(photon.flux, scale(times(vector(path.flux), share), ratio))
+    photon.part = part
 
 
 @kernel
@@ -219,19 +222,28 @@ def _bounce(
     caustic: bool,
     base: int,
     ratio: float,
+    kept: float,
 ) -> Any:
-    """Scatter a photon at a hit: (whether it lives, wi); ``ratio`` scales its flux."""
+    """Scatter a photon at a hit: (whether it lives, wi); ``ratio`` scales its flux.
+
+    ``kept``: what does not count where it lands next. Caustic photons spread once at most.
+    """
     spreading, casting = photon_weights(path, lobes)
+    if caustic:
+        if kept == 1.0:
+            spreading = 0.0
+        if mesh.visible[hit.face] & _CASTS_NONE and not is_focused(path):
+            casting = 0.0
     part = SPREADING
     if path.passed > 1 and path.depth == 0:
         # No caustic photon comes here: gather rays have to see all but the mirror.
         part = WIDE
         spreading, casting = lobe_weights(path, lobes)[0], 0.0
-    total = casting if caustic else spreading + casting
+    total = spreading + casting
     nowhere = (0.0, 0.0, 1.0)
     if total <= 0.0:
         return False, nowhere
-    if caustic or uniform(path.key, base + _CHOICE) * total < casting:
+    if spreading == 0.0 or uniform(path.key, base + _CHOICE) * total < casting:
         part = CASTING
     wi, weight, pdf_w, transmitted, eta = scatter(
         materials, lobes, path, hit, part, uniform(path.key, base + _LOBE),
@@ -241,6 +253,7 @@ def _bounce(
         return False, nowhere
     if path.visibility & part_bit(path, lobes, part, transmitted) == 0:
         return False, nowhere
+    mark(path, hit, lobes, part, wi, pdf_w, kept)
     if hit.own and pdf_w > 0.0:
         weight = adjoint_weight(
             path, hit, mesh, materials, lobes, shading, spare, part, wi, eta, weight
@@ -250,7 +263,7 @@ def _bounce(
     ratio *= normal_correction(hit, wi) * total / (casting if part == CASTING else spreading)
     alive = _survive(path, vector(path.flux), weight, ratio, base)
     path.visibility = mesh.visible[hit.face]
-    if part != CASTING:
+    if part != CASTING or mesh.visible[hit.face] & _CASTS_NONE:
         path.part = WIDE
     return alive, wi
 
@@ -262,6 +275,7 @@ def step_photons(
     lobes: Table,
     shading: Row,
     lights: Row,
+    focus: Row,
     spare: int,
     caustic: bool,
     most_depth: int,
@@ -278,7 +292,8 @@ def step_photons(
 ) -> Any:
     """One surface for each photon: store, scatter, compact: (still alive, stored).
 
-    ``caustic`` photons live on what casts alone and are stored only after some.
+    ``caustic`` photons live on what casts alone and are stored only after some; the others
+    leave two rows where they lie and come from a crowded place (``focus``).
     ``hits`` (1,) ``HIT`` is room to work in, ``lobes`` has free rows from ``spare`` on.
     """
     alive = 0
@@ -296,24 +311,31 @@ def step_photons(
         wi = vector(path.direction)
         shadowless = not caustic and path.depth == 0 and not casts_shadow(lights, path.entry)
         if not _arrive(path, hit, mesh, materials, lobes, shading, spare, base, shadowless):
+            focused = is_focused(path)
             wide, narrow = lobe_weights(path, lobes)
             cos_g = dot(vector(hit.wo), vector(hit.ng))
             cos_s = dot(vector(hit.wo), vector(hit.ns))
             ratio = min(MOST_CORRECTION, cos_s / cos_g) if cos_g > 0.0 else 0.0
+            left, given = share_out(focus, path, hit, lobes, caustic)
             if wide > 0.0 and ratio > 0.0 and path.visibility & _DIFFUSE_BIT:
                 shows = (mesh.visible[hit.face] & _SHOWS_NONE) == 0
-                if not caustic or (path.depth > 0 and shows):
-                    _store(photons[kept], hit, path, ratio)
-                    order[kept] = path.index * most_depth + path.depth
-                    kept += 1
+                if not caustic or focused or (path.depth > 0 and shows):
+                    number = path.index * most_depth + path.depth
+                    if not caustic or not focused:
+                        _store(photons[kept], hit, path, ratio, (left, left, left), path.part)
+                        order[kept] = number
+                        kept += 1
+                    if focused:
+                        _store(photons[kept], hit, path, ratio, vector(path.focused), FOCUSED)
+                        order[kept] = number
+                        kept += 1
             if not shadowless or not _shines_on(path, wide, base):
                 if path.depth + 1 >= most_depth:
                     continue
-                if caustic and mesh.visible[hit.face] & _CASTS_NONE:
-                    continue
                 living, wi = _bounce(
-                    path, hit, mesh, materials, lobes, shading, spare, caustic, base, ratio
-                )
+                    path, hit, mesh, materials, lobes, shading, spare, caustic, base, ratio,
+                    given,
+                )  # fmt: skip
                 if not living:
                     continue
                 path.depth += 1

@@ -147,7 +147,7 @@ HUGE = _npy(np.zeros((5, 3), np.float32)).replace(b"(5, 3)", b"(9999999999999, 3
         ({FLUX: _npy(np.zeros((5, 3), np.float32))[:-1]}, "damaged"),
         ({FLUX: HUGE}, "expected float32"),
         ({FLUX: b"\0" * 10_000_000}, "longer than it may be"),
-        ({"00000/caustic/part.npy": _npy(np.full(5, 4, np.int32))}, "part of pass 0"),
+        ({"00000/caustic/part.npy": _npy(np.full(5, 5, np.int32))}, "part of pass 0"),
         ({"00000/caustic/part.npy": _npy(np.full(5, -1, np.int32))}, "part of pass 0"),
     ],
 )
