@@ -13,6 +13,7 @@ from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather,
 from .film.film import SAMPLE
 from .geometry.borders import border_sides, borders_of, joined, no_borders, short
 from .geometry.crossings import crossings
+from .geometry.polylines import straightened
 from .geometry.surfaces import Surfaces
 from .photons.coverage import MOST_PIECES, BorderGrid, border_grid
 from .photons.photon_map import Crowd, PhotonMap
@@ -31,6 +32,8 @@ CROWD = 8192
 DRAFT_PIXELS, DRAFT_CROWD = 1024, 1024
 #: Photons in the first disc of the final gather's map.
 GLOBAL_NEIGHBOURS = 20
+#: Lines where surfaces cross are this exact, in radii of the discs that they part.
+STRAY = 0.005
 #: The grid's cells suit discs of the usual size; this bounds the others, as factors.
 SPREAD = 4.0
 
@@ -114,7 +117,8 @@ def _borders(prepared: Prepared, radii: list[float], crossed: bool) -> list[Bord
     grids = []
     for radius in radii:
         ends = borders_of(mesh, sides, holds, intersector, radius, MOST_PIECES)
-        grids.append(border_grid(joined(ends, short(met, radius, MOST_PIECES)), radius))
+        lines = short(straightened(met, STRAY * radius), radius, MOST_PIECES)
+        grids.append(border_grid(joined(ends, lines), radius))
     return grids
 
 
