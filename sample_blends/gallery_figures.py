@@ -60,7 +60,7 @@ Left the report's lens: a ray through the middle of the lens and one through its
 plane of focus. Right what it blurs: radius of the disc on the image of a small glowing square
 at a distance, measured (dots, from the second moment of the picture) and by
 c = R abs(d - f) / f, in the plane of the square (line). The sample `lens_blur.blend` has a
-frame for each distance.
+frame for each distance, of 65x65 pixels.
 """
 
 
