@@ -1,4 +1,4 @@
-"""Screenshots of Blender's window, and how a viewport in them compares with a picture."""
+"""Screenshots of Blender's window, and what a viewport in them shows."""
 
 from __future__ import annotations
 
@@ -10,9 +10,6 @@ import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from xwd import read_xwd  # type: ignore[import-not-found]
-
-#: Cells that pictures are compared in.
-CELLS = (24, 16)
 
 
 def region_of(area: Any) -> Any:
@@ -53,20 +50,3 @@ def cut(pixels: np.ndarray, area: Any) -> np.ndarray:
     left, right = max(region.x, int(x[0]) + 1), min(region.x + region.width, int(x[-1]))
     low, high = max(region.y, int(y[0]) + 1), min(region.y + region.height, int(y[-1]))
     return pixels[low:high, left:right]
-
-
-def cells(pixels: np.ndarray) -> np.ndarray:
-    """Means of the picture in ``CELLS``."""
-    rows = np.array_split(pixels, CELLS[1], axis=0)
-    return np.array(
-        [[part.mean(axis=(0, 1)) for part in np.array_split(r, CELLS[0], axis=1)] for r in rows]
-    )
-
-
-def likeness(a: np.ndarray, b: np.ndarray) -> dict[str, float]:
-    """Correlation of two pictures' cells, and their mean distance."""
-    x, y = cells(a), cells(b)
-    return {
-        "correlation": float(np.corrcoef(x.ravel(), y.ravel())[0, 1]),
-        "distance": float(np.abs(x - y).mean()),
-    }

@@ -21,9 +21,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 from frames import Frames, Steps, until  # type: ignore[import-not-found]
+from likeness import likeness, parted  # type: ignore[import-not-found]
 from screenshots import (  # type: ignore[import-not-found]
     cut,
-    likeness,
     pixels_of,
     region_of,
     screenshot,
@@ -139,7 +139,7 @@ def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
     show_rendered(area)
     yield from frames.until(JOB["passes"], "in the viewport")
     before = cut(shot("viewport"), area)
-    found["viewport"] = likeness(before, pixels_of(Path(JOB["headless"])))
+    found["viewport"] = likened(before, pixels_of(Path(JOB["headless"])), before)
     found["viewport"]["contrast"] = float(before.std())
     yield from resized(frames, found)
     yield from bordered(frames, found)
@@ -168,6 +168,12 @@ def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
     yield 0.5
 
 
+def likened(picture: Any, expected: Any, whole: Any) -> dict[str, float]:
+    """How ``picture`` compares; ``whole``: the picture that it is, or is a part of."""
+    height, width = whole.shape[:2]
+    return {**likeness(picture, expected), "width": width, "height": height}
+
+
 def resized(frames: Frames, found: dict[str, Any]) -> Steps:
     """The window becomes smaller while its viewport renders."""
     area, old = views()[0], (window().width, window().height)
@@ -176,7 +182,7 @@ def resized(frames: Frames, found: dict[str, Any]) -> Steps:
     yield from until(lambda: region_of(area).width < before, "the window keeps its size")
     yield from frames.until(JOB["passes"], "in the smaller window")
     picture = cut(shot("resized"), area)
-    found["resized"] = likeness(picture, pixels_of(Path(JOB["headless"])))
+    found["resized"] = likened(picture, pixels_of(Path(JOB["headless"])), picture)
     resize_windows(*old)
     yield from until(lambda: region_of(area).width == before, "the window stays small")
     yield from frames.until(2, "in the larger window")
@@ -191,21 +197,14 @@ def bordered(frames: Frames, found: dict[str, Any]) -> Steps:
     )
     render.use_border = True
     yield from frames.until(JOB["passes"], "in the border")
-    inside, outside = parted(cut(shot("border"), area))
-    whole = pixels_of(Path(JOB["headless"]))
+    picture = cut(shot("border"), area)
+    inside, outside = parted(picture)
     found["border"] = {
-        **likeness(inside, parted(whole)[0]),
+        **likened(inside, parted(pixels_of(Path(JOB["headless"])))[0], picture),
         "outside": float(outside.std()),
     }
     render.use_border = False
     yield from frames.until(2, "without the border")
-
-
-def parted(pixels: Any) -> tuple[Any, Any]:
-    """The middle of a picture, and a part of its rim."""
-    height, width = pixels.shape[:2]
-    middle = pixels[height // 4 : 3 * height // 4, width // 4 : 3 * width // 4]
-    return middle, pixels[:, : width // 4 - 3]
 
 
 def final(found: dict[str, Any]) -> Steps:
