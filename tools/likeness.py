@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 #: Cells that pictures are compared in.
@@ -9,10 +11,15 @@ CELLS = (24, 16)
 
 
 def cells(pixels: np.ndarray) -> np.ndarray:
-    """Means of the picture in ``CELLS``."""
-    rows = np.array_split(pixels, CELLS[1], axis=0)
+    """Means of the picture in ``CELLS``, whose bounds are exact to half a pixel."""
+    height, width = pixels.shape[:2]
+    columns = np.rint(np.linspace(0, width, CELLS[0] + 1)).astype(int)
+    rows = np.rint(np.linspace(0, height, CELLS[1] + 1)).astype(int)
     return np.array(
-        [[part.mean(axis=(0, 1)) for part in np.array_split(r, CELLS[0], axis=1)] for r in rows]
+        [
+            [pixels[y0:y1, x0:x1].mean(axis=(0, 1)) for x0, x1 in pairwise(columns)]
+            for y0, y1 in pairwise(rows)
+        ]
     )
 
 

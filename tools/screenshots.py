@@ -26,17 +26,6 @@ def screenshot(path: Path) -> np.ndarray:
     return read_xwd(path)[::-1] / np.float32(255)
 
 
-def pixels_of(path: Path) -> np.ndarray:
-    """A PNG as it is shown: (h, w, 3) from the bottom."""
-    image = bpy.data.images.load(str(path))
-    image.colorspace_settings.name = "Non-Color"
-    width, height = image.size
-    flat = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(flat)
-    bpy.data.images.remove(image)
-    return flat.reshape(height, width, -1)[..., :3]
-
-
 def cut(pixels: np.ndarray, area: Any) -> np.ndarray:
     """The part of a screenshot that shows what the camera of a viewport sees."""
     region, view = region_of(area), area.spaces.active.region_3d

@@ -1,8 +1,8 @@
 """What `tools/window_test.py` has a Blender with a window do; runs inside of it.
 
-`blender SAMPLE -P window_steps.py -- JOB.json`. The job names the
-folder for screenshots, a headless picture of the sample, and the samples to time. What is
-found goes to `found.json` there; an exception ends Blender with code 3.
+`blender SAMPLE -P window_steps.py -- JOB.json`. The job names the folder for screenshots and
+the samples to time. What is found goes to `found.json` there, and what the camera sees to
+`.npy` files; an exception ends Blender with code 3.
 """
 
 from __future__ import annotations
@@ -21,10 +21,9 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 from frames import Frames, Steps, until  # type: ignore[import-not-found]
-from likeness import likeness, parted  # type: ignore[import-not-found]
+from likeness import parted  # type: ignore[import-not-found]
 from screenshots import (  # type: ignore[import-not-found]
     cut,
-    pixels_of,
     region_of,
     screenshot,
 )
@@ -139,8 +138,8 @@ def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
     show_rendered(area)
     yield from frames.until(JOB["passes"], "in the viewport")
     before = cut(shot("viewport"), area)
-    found["viewport"] = likened(before, pixels_of(Path(JOB["headless"])), before)
-    found["viewport"]["contrast"] = float(before.std())
+    keep("viewport", before)
+    found["viewport"] = {"contrast": float(before.std())}
     yield from resized(frames, found)
     yield from bordered(frames, found)
     for name, edit in edits(bpy.context.scene).items():
@@ -168,10 +167,9 @@ def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
     yield 0.5
 
 
-def likened(picture: Any, expected: Any, whole: Any) -> dict[str, float]:
-    """How ``picture`` compares; ``whole``: the picture that it is, or is a part of."""
-    height, width = whole.shape[:2]
-    return {**likeness(picture, expected), "width": width, "height": height}
+def keep(name: str, picture: Any) -> None:
+    """Leave what the camera sees to be compared."""
+    np.save(FOLDER / f"{name}.npy", picture)
 
 
 def resized(frames: Frames, found: dict[str, Any]) -> Steps:
@@ -182,7 +180,8 @@ def resized(frames: Frames, found: dict[str, Any]) -> Steps:
     yield from until(lambda: region_of(area).width < before, "the window keeps its size")
     yield from frames.until(JOB["passes"], "in the smaller window")
     picture = cut(shot("resized"), area)
-    found["resized"] = likened(picture, pixels_of(Path(JOB["headless"])), picture)
+    keep("resized", picture)
+    found["resized"] = {"contrast": float(picture.std())}
     resize_windows(*old)
     yield from until(lambda: region_of(area).width == before, "the window stays small")
     yield from frames.until(2, "in the larger window")
@@ -198,11 +197,8 @@ def bordered(frames: Frames, found: dict[str, Any]) -> Steps:
     render.use_border = True
     yield from frames.until(JOB["passes"], "in the border")
     picture = cut(shot("border"), area)
-    inside, outside = parted(picture)
-    found["border"] = {
-        **likened(inside, parted(pixels_of(Path(JOB["headless"])))[0], picture),
-        "outside": float(outside.std()),
-    }
+    keep("border", picture)
+    found["border"] = {"outside": float(parted(picture)[1].std())}
     render.use_border = False
     yield from frames.until(2, "without the border")
 
