@@ -77,8 +77,8 @@ def walk(folder: Path) -> Iterator[float]:
     assert done == {"FINISHED"}, done
     yield 1.0
     # A first caustic, step 1.
-    with within():
-        bpy.ops.wm.read_homefile(app_template="")
+    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+        bpy.ops.wm.read_homefile(app_template="", load_ui=False)
     yield 1.0
     assert sorted(bpy.data.objects.keys()) == ["Camera", "Cube", "Light"]
     yield from press("X")
@@ -88,13 +88,13 @@ def walk(folder: Path) -> Iterator[float]:
     with within():
         bpy.ops.mesh.primitive_plane_add()
     yield from press("S", "ONE", "ZERO", "RET")
-    plane = bpy.context.object
+    plane = bpy.context.view_layer.objects.active
     assert abs(plane.dimensions.x - 20.0) < 1e-4, plane.dimensions
     # Step 2.
     with within():
         bpy.ops.mesh.primitive_uv_sphere_add()
     yield from press("G", "Z", "ONE", "RET")
-    ball = bpy.context.object
+    ball = bpy.context.view_layer.objects.active
     assert abs(ball.location.z - 1.0) < 1e-4 and abs(ball.location.x) < 1e-4, ball.location
     with within():
         bpy.ops.object.shade_smooth()
