@@ -68,7 +68,7 @@ test-slow: bpy
 
 test-core: env-core
 	.venv-core/bin/$(PYTEST) -m "not blender and not slow" \
-		--ignore=tests/addon --ignore=tests/blender $(ARGS)
+		--ignore=tests/blender $(ARGS)
 
 # Both Blenders where both Pythons are at hand; the document says which one was not.
 accuracy:
