@@ -20,8 +20,9 @@ import figures
 import numpy as np
 
 from photon_map.core import Scene, SceneBuilder, Settings, render
-from photon_map.core.camera_pass.chunk import Pixels, Rays, Region, trace_camera
+from photon_map.core.camera_pass.chunk import Pixels, Region, trace_camera
 from photon_map.core.camera_pass.direct import sample_direct
+from photon_map.core.camera_pass.rays import Rays
 from photon_map.core.camera_pass.shadow import free_part
 from photon_map.core.film.film import SAMPLE
 from photon_map.core.geometry.vector import vector

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera_pass.caustics import footprints
-from .camera_pass.chunk import Pixels, Rays, Region, trace_camera, trace_gather, wide_only
+from .camera_pass.chunk import Pixels, Region, trace_camera, trace_gather, wide_only
+from .camera_pass.rays import Rays
 from .film.film import SAMPLE
 from .geometry.borders import border_sides, borders_of, joined, no_borders, short
 from .geometry.crossings import crossings

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bsdf.dispatch import NARROW
-from ..bsdf.hit import HIT
 from ..film.film import SAMPLE
 from ..film.first_hits import FIRST_HIT
 from ..film.layers import DENSITY_LAYER, END_LAYERS
@@ -26,10 +25,12 @@ from .first_hit import step_first_hits
 from .focus import gather_focus
 from .indirect import gather_indirect, gather_order, start_gather
 from .kinds import KindLight, add_rows
+from .near import NEAR, add_as_indirect, begin_again, ends_near
 from .next_event import light_directly
 from .patches import own_patches
 from .paths import start_paths, step_paths
-from .records import PATH, VERTEX
+from .rays import Lit, Rays
+from .records import VERTEX
 from .room import ROOM
 from .tree import split, thin_out
 
@@ -105,28 +106,6 @@ class Chunk(NamedTuple):
     aovs: NDArray[np.float64] | None = None
 
 
-class Rays:
-    """Buffers of the rays under way: the thread's, so for one set of rays at a time."""
-
-    def __init__(self, prepared: Prepared, count: int) -> None:
-        self.origins = ROOM.take("origins", count, "f4", 3)
-        self.directions = ROOM.take("directions", count, "f4", 3)
-        self.paths = ROOM.take("paths", count, PATH)
-        self.hits = np.zeros(1, HIT)
-        self.lobes = prepared.lobe_room(count)
-        self.traced = 0
-
-
-class Lit(NamedTuple):
-    """Vertices that paths left, ``VERTEX`` rows, and the table that holds their lobes.
-
-    They lie in the thread's room: until the next camera paths, or gather paths, are followed.
-    """
-
-    vertices: NDArray[np.void]
-    lobes: NDArray[np.void]
-
-
 def trace_chunk(
     prepared: Prepared,
     settings: Settings,
@@ -170,6 +149,7 @@ def _gather(
     maps: PhotonMaps,
     samples: NDArray[np.void],
     kinds: KindLight | None,
+    level: int = 0,
 ) -> int:
     """Light by photons, at ``ends`` and where gather rays from there end; rays traced."""
     if maps.caustic is not None:
@@ -182,12 +162,9 @@ def _gather(
             kinds.add_photons(ends, *asked, samples["caustics"])
     if maps.focus is not None:
         asked = (prepared.camera, maps.focus, maps.caustic_borders, maps.focus_radii)
-        light = np.zeros(len(samples), SAMPLE)
-        gather_focus(ends.lobes, *asked, ends.vertices, light, np.zeros(SIGHT))
-        for layer in ("indirect", "shrink"):
-            samples[layer] += light[layer]
+        gather_focus(ends.lobes, *asked, ends.vertices, samples, np.zeros(SIGHT))
         if kinds:
-            kinds.add_photons(ends, *asked, light["indirect"])
+            kinds.add_photons(ends, *asked, samples["indirect"])
     rays = Rays(prepared, len(ends.vertices) * settings.rays_each)
     count = _start_gather(prepared, settings, i, ends, rays)
     rows = samples
@@ -197,19 +174,45 @@ def _gather(
         slots, directions = (rays.paths[name][:count].copy() for name in ("slot", "direction"))
         rays.paths["slot"][:count] = np.arange(count)
     far = _follow(prepared, settings, i, rays, count, True, rows)
+    traced = rays.traced
     if maps.global_ is not None:
+        near = ends_near(far.vertices, NEAR * maps.global_radius, level)
+        if near.any():
+            far, close = Lit(far.vertices[~near], far.lobes), Lit(far.vertices[near], far.lobes)
         gather_indirect(
             far.lobes, maps.global_, maps.global_borders, maps.global_radius, far.vertices,
             gather_order(maps.global_, far.vertices), rows, np.zeros(SIGHT), own_patches(),
             maps.salt,
         )  # fmt: skip
+        if near.any():
+            traced += _gather_near(prepared, settings, i, close, maps, rows, level)
     if kinds:
         at = np.zeros(len(samples), np.int32)
         at[ends.vertices["slot"]] = np.arange(len(ends.vertices))
         kinds.add(ends, at[slots], directions, rows["direct"].copy(), False)
         kinds.add(ends, at[slots], directions, rows["indirect"].copy(), True)
         add_rows(samples, slots, rows, ("direct", "indirect", "shrink"))
-    return rays.traced
+    return traced
+
+
+def _gather_near(
+    prepared: Prepared,
+    settings: Settings,
+    i: int,
+    near: Lit,
+    maps: PhotonMaps,
+    rows: NDArray[np.void],
+    level: int,
+) -> int:
+    """Light of ``near``, gathered anew, into the indirect layer of ``rows``; rays traced."""
+    slots = near.vertices["slot"].copy()
+    begin_again(near.vertices)
+    light = np.zeros(len(slots), SAMPLE)
+    one = replace(settings, gather_rays=1)
+    rays = light_directly(prepared, one, i, near, maps.shadows, light, None)
+    rays += _gather(prepared, one, i, near, maps, light, None, level + 1)
+    add_as_indirect(light, slots, rows)
+    return rays
 
 
 def wide_only(lit: Lit) -> Lit:

@@ -68,8 +68,9 @@ def start_gather(
             path.depth = vertex.depth
             path.steps = 0
             path.forced = 0
+            path.portion = 1.0
             path.event = part_bit(vertex, lobes, WIDE, transmitted)
-            path.length = vertex.length
+            path.length = path.begun = vertex.length
             path.since = 0.0
             path.pdf_w = pdf_w * wanted
             path.beta[0] = vertex.beta[0] * weight[0] * share

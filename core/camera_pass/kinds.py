@@ -32,7 +32,7 @@ from .caustics import disc_radius
 
 if TYPE_CHECKING:
     from ..photons.coverage import BorderGrid
-    from .chunk import Lit
+    from .rays import Lit
 
 _KINDS = len(KIND_LAYERS) // 2
 _UNKNOWN = -1

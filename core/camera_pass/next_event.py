@@ -16,7 +16,7 @@ from .room import ROOM
 from .shadow import free_part
 
 if TYPE_CHECKING:
-    from .chunk import Lit
+    from .rays import Lit
 
 
 def light_directly(

@@ -78,6 +78,7 @@ def start_paths(
         path.portion = 1.0
         path.event = _CAMERA_BIT
         path.length = before
+        path.begun = 0.0
         path.reach = reach
         path.since = 0.0
         path.pdf_w = 0.0
@@ -165,6 +166,7 @@ def _light_here(vertex: Row, path: Row, hit: Row, part: int, share: float) -> No
     vertex.portion = path.portion
     vertex.offset = hit.offset
     vertex.length = path.length
+    vertex.way = path.length - path.begun
     store(vertex.p, vector(hit.p))
     store(vertex.ng, vector(hit.ng))
     store(vertex.ns, vector(hit.ns))

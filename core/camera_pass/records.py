@@ -10,15 +10,15 @@ REFLECTED, REFRACTED = 1, -1
 
 _MEDIA = [("media_count", "i4"), ("media", "i4", STACK)]
 
-#: A camera path on a chain of narrow scattering. ``slot``: its row among the chunk's
-#: samples; ``event``: ``Visibility`` bit of its last event; ``length``: way from the lens
-#: [m]; ``depth``: events so far; ``steps``: surfaces so far, those it went straight through
-#: included; ``reach``: how far a camera ray sees [m]. ``origin``, ``normal``: its last
-#: event, ``since`` the way from there [m], ``pdf_w`` the density of its direction where
-#: light sampling was the other technique, else 0. ``lobe_start`` and ``lobe_count``: the
-#: lobes of the surface that it is on. ``forced``: what it does at the next event where that
-#: was split (``tree``), 0 for what chance says; ``portion``: the part of the path that it is,
-#: and of the gather rays that it may send.
+#: A camera path on a chain of narrow scattering. ``slot``: its row among the chunk's samples;
+#: ``event``: ``Visibility`` bit of its last event; ``length``: way from the lens [m],
+#: ``begun`` where the chain began; ``depth``: events so far; ``steps``: surfaces so far, those
+#: it went straight through included; ``reach``: how far a camera ray sees [m]. ``origin``,
+#: ``normal``: its last event, ``since`` the way from there [m], ``pdf_w`` the density of its
+#: direction where light sampling was the other technique, else 0. ``lobe_start`` and
+#: ``lobe_count``: the lobes of the surface that it is on. ``forced``: what it does at the next
+#: event where that was split (``tree``), 0 for what chance says; ``portion``: the part of the
+#: path that it is, and of the gather rays that it may send.
 PATH = np.dtype(
     [
         ("key", "u8"),
@@ -32,6 +32,7 @@ PATH = np.dtype(
         ("beta", "f8", 3),
         ("direction", "f8", 3),
         ("length", "f8"),
+        ("begun", "f8"),
         ("reach", "f8"),
         ("origin", "f8", 3),
         ("normal", "f8", 3),
@@ -46,7 +47,8 @@ PATH = np.dtype(
 
 #: A vertex that is lit. ``part``: WIDE at the end of a chain, where photons are gathered
 #: too, NARROW where the chain goes on. ``row``: material, ``lobe_start`` and ``lobe_count``:
-#: its lobes there; ``offset`` and ``entering``: see ``interact``; ``portion``: its path's.
+#: its lobes there; ``way`` from where its chain began [m]; ``offset`` and ``entering``: see
+#: ``interact``; ``portion``: its path's.
 VERTEX = np.dtype(
     [
         ("key", "u8"),
@@ -61,6 +63,7 @@ VERTEX = np.dtype(
         ("portion", "f8"),
         ("offset", "f8"),
         ("length", "f8"),
+        ("way", "f8"),
         ("p", "f8", 3),
         ("ng", "f8", 3),
         ("ns", "f8", 3),

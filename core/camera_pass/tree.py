@@ -26,7 +26,7 @@ from .room import ROOM
 if TYPE_CHECKING:
     from ..prepared import Prepared
     from ..settings import Settings
-    from .chunk import Rays
+    from .rays import Rays
 
 #: Branches of a smaller portion than this are lit at their ends in that ratio only.
 LIT = 0.25
