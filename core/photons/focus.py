@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 NEIGHBOURS = 20
 #: Irradiance from which on a place is crowded, in that of the place of the median photon, ...
 BRIGHT = 2.5
+#: ... photons there for one at the place of the median photon: fewer would be blotches, ...
+DENSE = 25.0
 #: ... photons that tell so in a cell, ...
 TELLING = 8
 #: ... and the part that stays for gather rays there; it falls with the irradiance.
@@ -77,20 +79,21 @@ def no_focus() -> Focus:
 
 
 def find_focus(global_: Walk, caustic: Walk | None, most_depth: int) -> Focus:
-    """Where the photons of pilot walks crowd; no camera decides it.
+    """Where the photons of pilot walks of as many paths crowd; no camera decides it.
 
     ``most_depth``: bound on the events of their paths.
     """
-    usual = _usual_irradiance(global_.photons)
     photons = global_.photons
+    density = _usual_density(photons)
+    usual = density, density * _mean_flux(photons)
     if caustic is None:
-        return Focus(_no_cells(), _crowded(photons, usual), False)
+        return Focus(_no_cells(), _crowded(photons, *usual), False)
     met = (photons["part"] == SPREADING) & (global_.order % most_depth > 0)
-    return Focus(_crowded(caustic.photons, usual), _crowded(photons[~met], usual), True)
+    return Focus(_crowded(caustic.photons, *usual), _crowded(photons[~met], *usual), True)
 
 
-def _usual_irradiance(photons: NDArray[np.void]) -> float:
-    """Irradiance [W/m^2] where the median photon lies."""
+def _usual_density(photons: NDArray[np.void]) -> float:
+    """Photons per area [1/m^2] where the median photon lies."""
     from scipy.spatial import cKDTree
 
     if len(photons) < 2 * NEIGHBOURS:
@@ -99,22 +102,23 @@ def _usual_irradiance(photons: NDArray[np.void]) -> float:
     some = places[:: max(1, len(places) // 1024)]
     distance, _ = cKDTree(places).query(some, k=[NEIGHBOURS])
     area = np.pi * float(np.median(distance)) ** 2
-    return NEIGHBOURS * _mean_flux(photons) / area if area > 0.0 else 0.0
+    return NEIGHBOURS / area if area > 0.0 else 0.0
 
 
 def _mean_flux(photons: NDArray[np.void]) -> float:
     return float(photons["flux"].mean()) if len(photons) else 0.0
 
 
-def _crowded(photons: NDArray[np.void], usual: float) -> Cells:
-    """Cells in which ``photons`` bring ``BRIGHT`` times the ``usual`` irradiance.
+def _crowded(photons: NDArray[np.void], density: float, irradiance: float) -> Cells:
+    """Cells in which ``photons`` are ``DENSE`` and bring ``BRIGHT`` light.
 
-    A cell is just so large that they are then ``TELLING``.
+    In units of the usual ``density`` [1/m^2] and ``irradiance`` [W/m^2]. A cell is just so
+    large that they are then ``TELLING``.
     """
     flux = _mean_flux(photons)
-    if not usual > 0.0 or not flux > 0.0:
+    if not irradiance > 0.0 or not flux > 0.0:
         return _no_cells()
-    edge = math.sqrt(TELLING * flux / (BRIGHT * usual))
+    edge = math.sqrt(TELLING / max(DENSE * density, BRIGHT * irradiance / flux))
     keys = np.zeros(len(photons), np.int64)
     cells_of(photons["position"], edge, keys)
     own, count = np.unique(keys, return_counts=True)

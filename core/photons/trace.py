@@ -17,7 +17,7 @@ from ..bsdf.dispatch import (
 )
 from ..bsdf.hit import HIT, meet, shade
 from ..bsdf.scatter import choose_transparency, goes_through, scatter
-from ..geometry.interaction import leave
+from ..geometry.interaction import inward, leave
 from ..geometry.intersector import Hits
 from ..geometry.media import cross_surface, current_medium, transmittance
 from ..geometry.vector import Vector, dot, read, scale, store, times, vector
@@ -292,8 +292,7 @@ def step_photons(
 ) -> Any:
     """One surface for each photon: store, scatter, compact: (still alive, stored).
 
-    ``caustic`` photons live on what casts alone and are stored only after some; the others
-    leave two rows where they lie and come from a crowded place (``focus``).
+    ``caustic`` photons live on what casts alone and are stored only after some.
     ``hits`` (1,) ``HIT`` is room to work in, ``lobes`` has free rows from ``spare`` on.
     """
     alive = 0
@@ -303,7 +302,8 @@ def step_photons(
         if hit_face[k] < 0:
             continue
         path = paths[k]
-        meet(hit, mesh, hit_face[k], hit_u[k], hit_v[k], origins, k, path)
+        u, v = inward(mesh, hit_face[k], hit_u[k], hit_v[k])
+        meet(hit, mesh, hit_face[k], u, v, origins, k, path)
         if path.depth == 0 and not reaches(lights, path.entry, read(origins, k), vector(hit.p)):
             continue
         base = FIRST_BOUNCE + _DIMENSIONS * path.steps
