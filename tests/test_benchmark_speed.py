@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -205,6 +206,28 @@ def test_parts_are_kept_as_halves(bench, tmp_path):
     parts = np.random.default_rng(6).random((3, 8, 8, 3)) + 0.5
     reference.write_parts(tmp_path / "a.exr", parts)
     assert reference.read_parts(tmp_path / "a.exr") == pytest.approx(parts, rel=1e-3)
+
+
+def test_a_stored_reference_of_one_judge_is_gone_on_with(bench, tmp_path, monkeypatch):
+    reference = bench("speed_reference")
+    monkeypatch.setattr(reference, "FOLDER", tmp_path)
+    parts = np.random.default_rng(6).random((3, 8, 8, 3)) + 0.5
+    facts = {
+        "digest": "1",
+        "work": [1.0, 2.0, 3.0],
+        "judges": {"a": {"engine": "A 1", "chunks": 5}},
+    }
+    reference.write_parts(tmp_path / "scene.exr", parts)
+    (tmp_path / "scene.json").write_text(json.dumps(facts))
+
+    def taken(fingerprint: str, engine: str) -> Any:
+        sums = reference.Sums.open(tmp_path / "state", "scene", engine, "key")
+        sums.take_stored("scene", fingerprint, engine)
+        return sums
+
+    assert taken("1", "a").parts == pytest.approx(parts, rel=1e-3)
+    assert (taken("1", "a").chunks, taken("1", "a").version) == (5, "A 1")
+    assert taken("2", "a").chunks == taken("1", "b").chunks == 0
 
 
 def test_the_runs_are_planned_within_their_minutes(bench):
