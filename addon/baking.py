@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 from bpy.props import EnumProperty, IntProperty, PointerProperty
 
-from ..core.scene.scene import SceneError
+from ..core.scene.errors import SceneError
 from ..core.settings import MAPS_SUFFIX
 from .job import Job, running
 from .kernel_cache import use_extension_folder

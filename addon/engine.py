@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from .passes import register_passes
 from .report import ExportError, guarded
+
+if TYPE_CHECKING:
+    from .viewport import ViewportRender
 
 #: Seconds between two looks at a viewport's worker.
 WATCH = 0.02
@@ -30,14 +33,6 @@ class PhotonMapEngine(bpy.types.RenderEngine):
         self.failure = ""
         self.failure_shown = False
         self.viewport: Any = None
-
-    def __del__(self) -> None:
-        viewport = getattr(self, "viewport", None)
-        if viewport is not None:
-            viewport.close()
-        parent = getattr(super(), "__del__", None)  # since 4.4
-        if parent is not None:
-            parent()
 
     def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
         """Tell Blender the passes of a view layer, for its compositor and its files."""
@@ -62,7 +57,11 @@ class PhotonMapEngine(bpy.types.RenderEngine):
             from .viewport import ViewportRender
 
             self.viewport = ViewportRender()
-            bpy.app.timers.register(watch(weakref.ref(self)), first_interval=WATCH)
+            # Not ``__del__``: Blender has taken the engine away by then, and Python knows no
+            # attribute of it any more.
+            weakref.finalize(self, self.viewport.close)
+            look = watch(weakref.ref(self), self.viewport)
+            bpy.app.timers.register(look, first_interval=WATCH)
         self.viewport.update(context, depsgraph)
 
     def view_draw(self, context: Any, depsgraph: Any) -> None:
@@ -73,24 +72,33 @@ class PhotonMapEngine(bpy.types.RenderEngine):
 
         gpu.state.blend_set("ALPHA_PREMULT")
         self.bind_display_space_shader(depsgraph.scene_eval)
-        line = self.viewport.draw(context, depsgraph)
-        self.unbind_display_space_shader()
-        gpu.state.blend_set("NONE")
+        try:
+            line = self.viewport.draw(context, depsgraph)
+        finally:
+            self.unbind_display_space_shader()
+            gpu.state.blend_set("NONE")
         self.update_stats("", line)
 
 
-def watch(engine: weakref.ref[PhotonMapEngine]) -> Callable[[], float | None]:
-    """A timer that has the viewport drawn when its worker has something new.
+def watch(
+    engine: weakref.ref[PhotonMapEngine], viewport: ViewportRender
+) -> Callable[[], float | None]:
+    """A timer that has ``viewport`` drawn when its worker has something new.
 
-    Workers may not call Blender: the engine could be freed meanwhile.
+    Workers may not call Blender: the engine could be freed meanwhile. Where Python has kept
+    what Blender has freed, the timer ends the worker.
     """
 
     def look() -> float | None:
         found = engine()
-        if found is None or found.viewport is None:
+        try:
+            if found is None:
+                return None
+            if viewport.has_news():
+                found.tag_redraw()
+        except ReferenceError:
+            viewport.close()
             return None
-        if found.viewport.has_news():
-            found.tag_redraw()
         return WATCH
 
     return look

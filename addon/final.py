@@ -98,10 +98,15 @@ def _asked(engine: Any, depsgraph: Any) -> dict[str, Any]:
 def _denoised(
     engine: Any, depsgraph: Any, film: Film, settings: Settings
 ) -> NDArray[np.float32] | None:
-    """The picture without noise where the user wants it and Blender can do it."""
+    """The picture without noise where the user wants it and Blender can do it.
+
+    Not of a render that was stopped: who presses Escape does not wait.
+    """
     if not depsgraph.scene_eval.photon_map.use_denoise or engine.is_preview:
         return None
     try:
+        if stopped(engine):
+            raise DenoiseError("the render was stopped")
         if set(GUIDES) - set(settings.first_hit):
             raise DenoiseError("this Blender was built without Open Image Denoise")
         engine.update_stats("", "Denoising")

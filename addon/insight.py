@@ -13,11 +13,18 @@ import bpy
 
 
 class Insight(NamedTuple):
-    """Stages (name, whether it is on, why), warnings, and a line about the last render."""
+    """Stages (name, whether it is on, why), warnings of the export and of the plan, and a line
+    about the last render."""
 
     stages: tuple[tuple[str, bool, str], ...] = ()
-    warnings: tuple[str, ...] = ()
+    exported: tuple[str, ...] = ()
+    planned: tuple[str, ...] = ()
     result: str = ""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """All of them."""
+        return (*self.exported, *self.planned)
 
 
 _LATEST: dict[int, Insight] = {}
@@ -34,7 +41,18 @@ def remember(scene: Any, plan: Any, warnings: Sequence[str], result: str = "") -
     before = insight_of(scene)
     if not result and before is not None:
         result = before.result
-    _LATEST[_key(scene)] = Insight(stages, (*warnings, *plan.warnings), result)
+    _LATEST[_key(scene)] = Insight(stages, tuple(warnings), tuple(plan.warnings), result)
+
+
+def remember_export(scene: Any, warnings: Sequence[str]) -> None:
+    """Keep the warnings of an export of ``scene`` for a viewport, beside what is known."""
+    before = insight_of(scene) or Insight()
+    _LATEST[_key(scene)] = before._replace(exported=tuple(warnings))
+
+
+def counted(warnings: Sequence[str]) -> str:
+    """How many they are, in words."""
+    return f"{len(warnings)} warning{'' if len(warnings) == 1 else 's'}"
 
 
 def forget(*_: Any) -> None:

@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..core.scene.scene import SceneError
+from ..core.scene.errors import SceneError
 from ..core.settings import SettingsError
-from .export.scene import export_scene
-from .export.settings import export_settings
 from .insight import remember
 from .kernel_cache import use_extension_folder
 from .report import ExportError, ExportLog
@@ -29,6 +27,8 @@ def exported(context: Any) -> tuple[Scene, Settings]:
     """The scene as the viewport has it, with its plan remembered; raises as the export does."""
     use_extension_folder()
     from ..core import Plan
+    from .export.scene import export_scene
+    from .export.settings import export_settings
 
     log = ExportLog()
     depsgraph = context.evaluated_depsgraph_get()

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
 
-from .export.aovs import wanted_aovs
-
 if TYPE_CHECKING:
     from ..core import LightGroup
 
@@ -158,6 +156,11 @@ def active_passes(view_layer: Any) -> Iterator[RenderPass]:
                 yield entry._replace(name=name, old_name=name, first=4 * k)
     yield from _group_passes(view_layer)
     yield from _aov_passes(view_layer)
+
+
+def wanted_aovs(view_layer: Any) -> dict[str, str]:
+    """The AOVs of ``view_layer`` that have a pass: "COLOR" or "VALUE" by name."""
+    return {aov.name: aov.type for aov in view_layer.aovs if aov.is_valid}
 
 
 def _aov_passes(view_layer: Any) -> Iterator[RenderPass]:

@@ -6,8 +6,6 @@ import threading
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 if TYPE_CHECKING:
     from ..core import Scene
 
@@ -37,6 +35,8 @@ def preview_settings() -> dict[str, Any]:
 
 def preview_scene(scene: Scene) -> Scene:
     """``scene`` with its floor hidden where it is to be."""
+    import numpy as np
+
     from ..core.scene.tables import Visibility
 
     if HIDDEN_FLOOR not in scene.material_names:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..core.scene.scene import SceneError
+from ..core.scene.errors import SceneError
 from ..core.settings import SettingsError
 from .job import CURRENT
 

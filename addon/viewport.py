@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.scene.scene import SceneError
+from ..core.scene.errors import SceneError
 from ..core.settings import AUTOMATIC, SettingsError
 from .export.memory import ExportMemory
 from .export.scene import export_scene
 from .export.settings import export_settings
 from .export.view import view_border, view_camera, view_key
+from .insight import counted, remember_export
 from .kernel_cache import use_extension_folder
 from .report import ExportError, ExportLog
 
@@ -210,6 +211,7 @@ class ViewportRender:
         self._settings: Settings | None = None
         self._view: tuple[object, ...] = ()
         self._failure = ""
+        self._warnings: tuple[str, ...] = ()
         self._worker: Worker | None = None
         self._texture: Any = None
         self._drawn: Picture | None = None
@@ -223,9 +225,12 @@ class ViewportRender:
             scene = depsgraph.scene_eval
             camera = view_camera(context, scene)
             self._memory.forget_changes(depsgraph)
+            log = ExportLog()
             self._scene = export_scene(
-                depsgraph, None, ExportLog(), lambda: False, camera, self._memory
+                depsgraph, None, log, lambda: False, camera, self._memory
             )
+            self._warnings = log.messages
+            remember_export(depsgraph.scene, log.messages)
             self._settings = viewport_settings(scene)
             self._start(context, scene)
         except (ExportError, SceneError, SettingsError) as error:
@@ -236,7 +241,18 @@ class ViewportRender:
 
     def draw(self, context: Any, depsgraph: Any) -> str:
         """Draw the newest picture; the line to show. A turned view is rendered anew."""
-        scene = depsgraph.scene_eval
+        try:
+            self._draw(context, depsgraph.scene_eval)
+        except (SceneError, SettingsError) as error:  # a view that cannot be rendered
+            self._fail(str(error))
+        except Exception as error:  # once: it would come again with every drawing
+            traceback.print_exc()
+            self._texture = None
+            self._fail(f"{type(error).__name__}: {error}")
+        self._line = self.line or self._line
+        return self._line
+
+    def _draw(self, context: Any, scene: Any) -> None:
         if self._scene is not None and view_key(context, scene) != self._view:
             self._start(context, scene)
         picture = self.picture
@@ -245,19 +261,24 @@ class ViewportRender:
         if self._texture is not None and self._drawn is not None:
             size = (context.region.width, context.region.height)
             draw_texture(self._texture, self._drawn.place, size)
-        self._line = self._failure or picture.line or self._line
-        return self._line
 
     @property
     def picture(self) -> Picture:
         """The newest one."""
         return self._worker.picture if self._worker is not None else Picture(None, "")
 
+    @property
+    def line(self) -> str:
+        """What the corner has to say: a failure, else of the picture and of the export."""
+        line = self._failure or self.picture.line
+        if line and self._warnings and not self._failure:
+            line += f"{BETWEEN}{counted(self._warnings)}: see Render Properties"
+        return line
+
     def has_news(self) -> bool:
         """Whether there is more to show than was drawn."""
-        picture = self.picture
-        line = self._failure or picture.line
-        return self._is_new(picture) or bool(line and line != self._line)
+        line = self.line
+        return self._is_new(self.picture) or bool(line and line != self._line)
 
     def _is_new(self, picture: Picture) -> bool:
         """Whether its pixels are others than those that were drawn."""

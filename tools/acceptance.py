@@ -27,6 +27,10 @@ import OpenEXR
 ROOT = Path(__file__).resolve().parents[1]
 MODULE = "bl_ext.user_default.photon_map"
 HEAVY = ("numba", "llvmlite", "scipy", "embreex")
+#: What a start may not load either: Blender itself does not.
+LATE = (*HEAVY, "numpy")
+#: Processor seconds that enabling the add-on may take, in the quickest of so many starts.
+MOST_ENABLING, STARTS = 0.05, 5
 TIMEOUT = 1800.0
 SEED, PASSES, WIDTH, HEIGHT = 7, 8, 96, 64
 
@@ -37,9 +41,11 @@ PIXELS_THAT_DIFFER = 0.01
 RELATIVE_DIFFERENCE = 1e-3
 
 PROBE = (
-    f"HEAVY = {HEAVY!r}"
+    f"LATE = {LATE!r}"
     + """
-import bpy, json, platform, sys, numpy
+import bpy, json, sys
+heavy = [name for name in LATE if name in sys.modules]
+import numpy
 print("PROBE" + json.dumps({
     "version": bpy.app.version_string,
     "python": f"cp{sys.version_info[0]}{sys.version_info[1]}",
@@ -48,10 +54,18 @@ print("PROBE" + json.dumps({
     "enabled": [name for name in bpy.context.preferences.addons.keys() if "photon" in name],
     "engine": any(getattr(e, "bl_idname", "") == "PHOTONMAP"
                   for e in bpy.types.RenderEngine.__subclasses__()),
-    "heavy": [name for name in HEAVY if name in sys.modules],
+    "heavy": heavy,
 }))
 """
 )
+
+#: Enables the extension and says what that took; its files have been compiled by then.
+ENABLE = f"""
+import time, addon_utils
+begin = time.process_time()
+assert addon_utils.enable("{MODULE}") is not None
+print("PROBE" + str(time.process_time() - begin))
+"""
 
 PREPARE = (
     f"SEED, PASSES, WIDTH, HEIGHT = {SEED}, {PASSES}, {WIDTH}, {HEIGHT}"
@@ -111,10 +125,18 @@ class Blender:
 
     def probe(self, *arguments: str) -> dict[str, Any]:
         """What a start with ``arguments`` finds."""
-        output = self.run("-b", *arguments, "--python-expr", PROBE)
-        line = next(line for line in output.splitlines() if line.startswith("PROBE"))
-        found: dict[str, Any] = json.loads(line.removeprefix("PROBE"))
+        found: dict[str, Any] = self._asked(PROBE, *arguments)
         return found
+
+    def enabling(self) -> float:
+        """Processor seconds that enabling the installed extension takes."""
+        return min(float(self._asked(ENABLE, "--factory-startup")) for _ in range(STARTS))
+
+    def _asked(self, script: str, *arguments: str) -> Any:
+        """What ``script`` prints as JSON after PROBE."""
+        output = self.run("-b", *arguments, "--python-expr", script)
+        line = next(line for line in output.splitlines() if line.startswith("PROBE"))
+        return json.loads(line.removeprefix("PROBE"))
 
     def left_over(self) -> list[str]:
         """Files of the add-on or of its packages in the profile."""
@@ -201,6 +223,9 @@ def accept(command: str, photonmap: str, folder: Path) -> None:
     started = blender.probe()
     check(started["engine"] and started["enabled"] == [MODULE], f"after the install: {started}")
     check(not started["heavy"], f"a start of Blender loads {started['heavy']}")
+    enabling = blender.enabling()
+    print(f"  enabled in {1000 * enabling:.0f} ms of a processor")
+    check(enabling <= MOST_ENABLING, f"enabling takes {enabling} s of a processor")
     render_samples(blender, folder, photonmap)
     blender.run("--command", "extension", "remove", "photon_map")
     ended = blender.probe()

@@ -227,7 +227,8 @@ def final(found: dict[str, Any]) -> Steps:
     begin = time.monotonic()
     press_escape()
     yield from until(lambda: "render_cancel" in ended, "Escape does not end F12", 60.0)
-    found["cancel"] = {"seconds": round(ended["render_cancel"] - begin, 3)}
+    seconds = round(ended["render_cancel"] - begin, 3)
+    found["cancel"] = {"seconds": seconds, "load": os.getloadavg()[0]}
     yield 1.0
     found["cancelled picture"] = {"contrast": float(shot("cancelled").std())}
     for area in pictures:

@@ -10,13 +10,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..report import ExportLog
-from .nodes import Placed, tree_of
+from .nodes import Placed
+from .trees import tree_of
 from .values import ValueReader
-
-
-def wanted_aovs(view_layer: Any) -> dict[str, str]:
-    """The AOVs of ``view_layer`` that have a pass: "COLOR" or "VALUE" by name."""
-    return {aov.name: aov.type for aov in view_layer.aovs if aov.is_valid}
 
 
 def material_aovs(reader: ValueReader, tree: Any, wanted: Mapping[str, str]) -> dict[str, Any]:

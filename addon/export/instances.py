@@ -19,7 +19,10 @@ from .unsupported import warn_linking, warn_object
 from .visibility import object_visibility
 
 #: Types with a surface or a volume that cannot be rendered yet.
-_UNSUPPORTED = ("CURVES", "POINTCLOUD", "VOLUME", "GPENCIL", "GREASEPENCIL")
+_UNSUPPORTED = {
+    "CURVES": "hair curves are", "POINTCLOUD": "point clouds are", "VOLUME": "volumes are",
+    "GPENCIL": "grease pencil is", "GREASEPENCIL": "grease pencil is",
+}  # fmt: skip
 
 
 class ExportCancelledError(Exception):
@@ -60,9 +63,7 @@ def add_objects(
             if arrays is not None and len(arrays.faces):
                 _add_mesh(builder, obj, arrays, own, matrix, seen_by, materials, log)
         elif obj.type in _UNSUPPORTED:
-            log.warn(
-                f"object '{obj.name}' is left out: {obj.type.lower()} is not supported yet"
-            )
+            log.warn(f"object '{obj.name}' is left out: {_UNSUPPORTED[obj.type]} not supported")
 
 
 def _add_mesh(

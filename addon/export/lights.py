@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from ...core.scene.builder import SceneBuilder
 from ..report import ExportLog
-from .nodes import NodeReader, shader_of, tree_of
+from .nodes import NodeReader, shader_of
+from .trees import tree_of
 from .visibility import object_visibility
 
 #: A spread of 0 is parallel light; the core wants some [rad].

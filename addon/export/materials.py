@@ -14,8 +14,9 @@ from ..report import ExportLog
 from .aovs import material_aovs
 from .folding import ShaderFolder, Shading
 from .memory import ExportMemory
-from .nodes import shader_of, tree_of
+from .nodes import shader_of
 from .pictures import PictureTable
+from .trees import tree_of
 from .values import ValueReader
 from .volumes import absorption
 

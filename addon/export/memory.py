@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
-from .mesh import MeshArrays
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from .mesh import MeshArrays
 
 #: Raised whenever Blender may have changed data without telling who: everything is read anew.
 _EPOCH = [0]

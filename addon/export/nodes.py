@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -53,17 +52,6 @@ class Placed(NamedTuple):
                 return Placed(socket, self.groups)
         socket = self.item.inputs.get(name)
         return None if socket is None else Placed(socket, self.groups)
-
-
-def tree_of(owner: Any) -> Any | None:
-    """The node tree of a material, world or light when it is in use.
-
-    ``use_nodes`` of materials and worlds is deprecated and always true from 5.0 on.
-    """
-    deprecated = bpy.app.version >= (5, 0, 0) and not isinstance(owner, bpy.types.Light)
-    if not deprecated and not owner.use_nodes:
-        return None
-    return owner.node_tree
 
 
 def placed(item: Any) -> Placed:

@@ -8,8 +8,9 @@ from typing import Any
 from ...core.scene.builder import SceneBuilder
 from ...core.scene.camera_data import CameraData
 from ...core.scene.scene import Scene
+from ..passes import wanted_aovs
 from ..report import ExportError, ExportLog
-from .aovs import wanted_aovs, world_aovs
+from .aovs import world_aovs
 from .camera import export_camera
 from .instances import ExportCancelledError, add_objects
 from .materials import MaterialTable
@@ -57,7 +58,7 @@ def export_scene(
     builder.set_shown(shown_uv, mist_of(layer.world_override or scene.world))
     add_objects(builder, depsgraph, materials, log, stopped, memory)
     if builder.dropped_faces:
-        log.warn(f"{builder.dropped_faces} faces without an area are left out")
+        log.warn(f"faces without an area are left out: {builder.dropped_faces}")
     return builder.build()
 
 

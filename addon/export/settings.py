@@ -10,6 +10,8 @@ import numpy as np
 from ...core.settings import AUTOMATIC, Settings
 from .scene import image_size
 
+#: Pixels that a filter may be wide.
+FILTER_WIDTHS = (0.01, 100.0)
 #: Properties of ``Scene.photon_map`` that are fields of ``Settings`` of the same name.
 FIELDS = (
     "passes",
@@ -38,7 +40,8 @@ def export_settings(scene: Any, overrides: Mapping[str, Any]) -> Settings:
     values.update(_photons(scene.photon_map))
     render = scene.render
     values["threads"] = render.threads if render.threads_mode == "FIXED" else 0
-    values["filter_width"] = scene.render.filter_size
+    # Blender takes widths of 0 to 500 pixels.
+    values["filter_width"] = float(np.clip(scene.render.filter_size, *FILTER_WIDTHS))
     if {**values, **overrides}["pixel_filter"] == "BOX":
         # As in Cycles: the stock width is one for filters with tails.
         values["filter_width"] = 1.0

@@ -24,7 +24,8 @@ from ...core.scene.tables import Visibility
 from ..report import ExportLog
 from .environment import MAGENTA, Lookup, image_texels, redrawn
 from .folding import ShaderFolder
-from .nodes import NodeReader, as_number, shader_of, source_of, tree_of
+from .nodes import NodeReader, as_number, shader_of, source_of
+from .trees import tree_of
 
 #: Ray visibility switches of Blender's worlds, and the core's bits.
 _VISIBILITY = {

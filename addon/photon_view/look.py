@@ -12,10 +12,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from ...core import Disc, Scene, Settings, ViewedPass
 
 #: Seconds between two looks at the thread.
@@ -145,6 +146,8 @@ def pick(
     viewed: ViewedPass, origin: NDArray[np.float64], direction: NDArray[np.float64]
 ) -> Picked | None:
     """The discs at the first surface of a ray, and the paths that bring most of their light."""
+    import numpy as np
+
     place = viewed.place_at(origin, direction)
     if place is None:
         return None

@@ -5,10 +5,9 @@ from dataclasses import replace
 from typing import Any
 
 import bpy
-import numpy as np
 from bpy.props import IntVectorProperty
 
-from ...core.scene.scene import SceneError
+from ...core.scene.errors import SceneError
 from ...core.settings import SettingsError
 from ..baking import maps_path
 from ..operators import exported
@@ -125,6 +124,7 @@ class PHOTONMAP_OT_pick_photons(PhotonOperator):
         return self._pick(region, *self.place)
 
     def _pick(self, region: Any, x: int, y: int) -> set[str]:
+        import numpy as np
         from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 
         view = region.data

@@ -182,7 +182,8 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
     )
     seed: IntProperty(  # type: ignore[valid-type]
         name="Seed",
-        description="Another seed gives another noise pattern",
+        description="Another seed gives another noise pattern. All frames of an animation have "
+        "the same, so that its noise stands still, unless the seed has keys or a driver",
         default=_DEFAULT.seed,
         min=0,
         max=2**31 - 1,

@@ -19,6 +19,7 @@ from . import (
 
 CLASSES = (
     *presets.CLASSES,
+    plan.PHOTONMAP_RENDER_PT_warnings,
     *render.PANELS,
     *plan.PANELS,
     *view_layer.PANELS,

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from ..export.nodes import tree_of
+from ..export.trees import tree_of
 from .panel import PhotonMapPanel, draw_nodes
 
 

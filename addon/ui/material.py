@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from ..export.nodes import tree_of
+from ..export.trees import tree_of
 from .panel import PhotonMapPanel, draw_nodes
 
 
@@ -49,4 +49,18 @@ class PHOTONMAP_MATERIAL_PT_volume(MaterialPanel, bpy.types.Panel):
         self.column().prop(material.photon_map, "priority")
 
 
-PANELS = (PHOTONMAP_MATERIAL_PT_surface, PHOTONMAP_MATERIAL_PT_volume)
+class PHOTONMAP_MATERIAL_PT_settings(MaterialPanel, bpy.types.Panel):
+    """What the Material Index pass shows."""
+
+    bl_label = "Settings"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Any) -> None:
+        self.column().prop(context.material, "pass_index")
+
+
+PANELS = (
+    PHOTONMAP_MATERIAL_PT_surface,
+    PHOTONMAP_MATERIAL_PT_volume,
+    PHOTONMAP_MATERIAL_PT_settings,
+)

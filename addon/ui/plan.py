@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from ..insight import insight_of
+from ..insight import counted, insight_of
 from .panel import PhotonMapPanel
 
 #: About the width of a letter [pixels at scale 1].
@@ -45,11 +45,11 @@ class PHOTONMAP_RENDER_PT_plan(PhotonMapPanel, bpy.types.Panel):
 
 
 class PHOTONMAP_RENDER_PT_warnings(PhotonMapPanel, bpy.types.Panel):
-    """What the export had to leave out."""
+    """What the export had to leave out: at the top, and there only when there is something."""
 
     bl_label = ""
     bl_context = "render"
-    bl_parent_id = "PHOTONMAP_RENDER_PT_plan"
+    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: Any) -> bool:
@@ -58,9 +58,8 @@ class PHOTONMAP_RENDER_PT_warnings(PhotonMapPanel, bpy.types.Panel):
 
     def draw_header(self, context: Any) -> None:
         found = insight_of(context.scene)
-        count = len(found.warnings) if found else 0
-        text = f"{count} Warning{'s' if count > 1 else ''} During Export"
-        self.layout.label(text=text, icon="ERROR")
+        text = counted(found.warnings if found else ())
+        self.layout.label(text=f"{text} during export", icon="ERROR")
 
     def draw(self, context: Any) -> None:
         found = insight_of(context.scene)
@@ -68,4 +67,4 @@ class PHOTONMAP_RENDER_PT_warnings(PhotonMapPanel, bpy.types.Panel):
             draw_text(self.layout, context, message, "DOT")
 
 
-PANELS = (PHOTONMAP_RENDER_PT_plan, PHOTONMAP_RENDER_PT_warnings)
+PANELS = (PHOTONMAP_RENDER_PT_plan,)

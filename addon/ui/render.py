@@ -30,10 +30,22 @@ class PHOTONMAP_RENDER_PT_sampling(RenderPanel, bpy.types.Panel):
         column.prop(settings, "seconds")
         column.prop(settings, "error_goal")
         column.separator()
-        column.prop(settings, "use_denoise")
+        draw_denoise(column, settings)
         column.separator()
         column.prop(settings, "viewport_passes")
         column.prop(settings, "seed")
+
+
+def draw_denoise(column: Any, settings: Any) -> None:
+    """The switch, and what is amiss where this Blender cannot do it."""
+    from ..denoise import is_available
+
+    able = is_available()
+    row = column.row()
+    row.active = able
+    row.prop(settings, "use_denoise")
+    if settings.use_denoise and not able:
+        column.label(text="This Blender has no Open Image Denoise", icon="ERROR")
 
 
 class PHOTONMAP_RENDER_PT_photons(RenderPanel, bpy.types.Panel):

@@ -20,7 +20,6 @@ JOINED = (
     "DATA_PT_camera_dof_aperture",
     "EEVEE_MATERIAL_PT_context_material",
     "MATERIAL_PT_preview",
-    "VIEWLAYER_PT_override",
 )
 
 #: General panels that this engine replaces (lamps, visibility), or whose settings would do
@@ -32,10 +31,13 @@ LEFT_OUT = (
     "DATA_PT_lightprobe_parallax",
     "DATA_PT_lightprobe_visibility",
     "DATA_PT_spot",
+    "DATA_PT_volume_render",
     "NODE_DATA_PT_light",
     "NODE_DATA_PT_spot",
     "OBJECT_PT_shading",
     "OBJECT_PT_visibility",
+    "PARTICLE_PT_render_path",
+    "PARTICLE_PT_render_path_timing",
     "RENDER_PT_gpencil",
     "RENDER_PT_grease_pencil_render",
     "RENDER_PT_grease_pencil_viewport",

@@ -94,9 +94,23 @@ class PHOTONMAP_VIEWLAYER_PT_aovs(PhotonMapPanel, bpy.types.Panel):
             self.layout.label(text="Conflicts with another pass of the same name", icon="ERROR")
 
 
+class PHOTONMAP_VIEWLAYER_PT_override(PhotonMapPanel, bpy.types.Panel):
+    """Blender's own, without the samples that only its engines have."""
+
+    bl_label = "Override"
+    bl_context = "view_layer"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: Any) -> None:
+        column = self.column()
+        column.prop(context.view_layer, "material_override")
+        column.prop(context.view_layer, "world_override")
+
+
 PANELS = (
     PHOTONMAP_VIEWLAYER_PT_passes,
     PHOTONMAP_VIEWLAYER_PT_cryptomatte,
     PHOTONMAP_VIEWLAYER_PT_light_groups,
     PHOTONMAP_VIEWLAYER_PT_aovs,
+    PHOTONMAP_VIEWLAYER_PT_override,
 )

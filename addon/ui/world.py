@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from ..export.nodes import tree_of
+from ..export.trees import tree_of
 from .panel import PhotonMapPanel, draw_light_group, draw_nodes
 
 
@@ -59,8 +59,28 @@ class PHOTONMAP_WORLD_PT_ray_visibility(WorldPanel, bpy.types.Panel):
             column.prop(switches, name)
 
 
+class PHOTONMAP_WORLD_PT_mist(WorldPanel, bpy.types.Panel):
+    """Where the Mist pass begins and ends, while a view layer has it."""
+
+    bl_label = "Mist Pass"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Any) -> bool:
+        layers = context.scene.view_layers
+        return bool(super().poll(context)) and any(layer.use_pass_mist for layer in layers)
+
+    def draw(self, context: Any) -> None:
+        mist = context.world.mist_settings
+        ends = self.column().column(align=True)
+        ends.prop(mist, "start")
+        ends.prop(mist, "depth")
+        self.column().prop(mist, "falloff")
+
+
 PANELS = (
     PHOTONMAP_WORLD_PT_surface,
     PHOTONMAP_WORLD_PT_light_group,
     PHOTONMAP_WORLD_PT_ray_visibility,
+    PHOTONMAP_WORLD_PT_mist,
 )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera_data import CameraData
+from .errors import SceneError as SceneError
 from .tables import (
     AOV,
     CLOSURE,
@@ -23,10 +24,6 @@ from .tables import (
     Model,
     Visibility,
 )
-
-
-class SceneError(ValueError):
-    """A scene that cannot be rendered; the message names the object and what to do."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -69,3 +69,52 @@ def test_without_the_library_the_image_is_as_it_was(
     image = read_exr(tmp_path / "a.exr")["ViewLayer.Combined"]
     assert image[5, 6] == pytest.approx([6.875, 5.875, 0.875, 1.0])
     assert "not denoised" in "".join(capfd.readouterr())
+
+
+def test_a_render_that_was_stopped_is_not_denoised(
+    bpy: Any, core: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Any
+) -> None:
+    """A denoiser takes seconds; who presses Escape has the picture as it is."""
+    from photon_map.addon import final
+
+    def never(*_: Any) -> None:
+        raise AssertionError("it is denoised")
+
+    monkeypatch.setattr(final, "denoise", never)
+    monkeypatch.setattr(final, "stopped", lambda engine: core.passes_made >= 3)
+    bpy.context.scene.photon_map.use_denoise = True
+    save_exr(bpy, tmp_path / "a.exr")
+    headless_render(bpy)
+    assert read_exr(tmp_path / "a.exr")["ViewLayer.Combined"][5, 6, 3] == 1.0
+    assert "not denoised: the render was stopped" in "".join(capfd.readouterr())
+
+
+def test_the_switch_says_what_it_lacks(bpy: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    from photon_map.addon import denoise
+    from photon_map.addon.ui.render import draw_denoise
+
+    class Column:
+        active = True
+
+        def __init__(self) -> None:
+            self.words: list[str] = []
+
+        def row(self) -> Any:
+            self.inner = Column()
+            return self.inner
+
+        def prop(self, owner: Any, name: str) -> None:
+            assert name in owner.bl_rna.properties
+
+        def label(self, text: str, icon: str) -> None:
+            self.words.append(text)
+
+    own = bpy.context.scene.photon_map
+    seen = []
+    for names in (denoise._NAMES, {}):
+        monkeypatch.setattr(denoise, "_NAMES", names)
+        for own.use_denoise in (False, True):
+            column = Column()
+            draw_denoise(column, own)
+            seen.append((column.inner.active, len(column.words)))
+    assert seen == [(True, 0), (True, 0), (False, 0), (False, 1)]

@@ -164,6 +164,9 @@ def test_a_box_is_one_pixel_wide_unless_asked_otherwise(bpy: Any) -> None:
     assert export(bpy).settings.filter_width == 1.0
     assert export(bpy, pixel_filter="GAUSSIAN").settings.filter_width == 2.5
     assert export(bpy, filter_width=3.0).settings.filter_width == 3.0
+    bpy.context.scene.photon_map.pixel_filter = "GAUSSIAN"
+    bpy.context.scene.render.filter_size = 0.0  # Blender allows it
+    assert export(bpy).settings.filter_width == 0.01
 
 
 def test_a_setting_out_of_range_is_an_error(bpy: Any) -> None:

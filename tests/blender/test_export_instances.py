@@ -152,7 +152,7 @@ def test_what_cannot_be_rendered_is_named_once(bpy: Any) -> None:
     add_cube(bpy, "Catcher").is_shadow_catcher = True
     warnings = export(bpy).warnings
     assert len(warnings) == 2
-    assert "object 'Smoke' is left out: volume is not supported yet" in warnings
+    assert "object 'Smoke' is left out: volumes are not supported" in warnings
     assert any("shadow catchers" in text and "'Catcher'" in text for text in warnings)
 
 

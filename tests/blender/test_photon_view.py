@@ -96,7 +96,7 @@ def words_of(bpy: Any, panel: Any, **changes: Any) -> str:
 
 
 def test_photons_are_traced_and_drawn(bpy: Any, look: Any) -> None:
-    from photon_map.addon.photon_view.drawing import cloud_of
+    from photon_map.addon.photon_view.cloud import cloud_of
     from photon_map.addon.photon_view.panel import PHOTONMAP_VIEW3D_PT_photons as Panel
 
     own = bpy.context.window_manager.photon_map_photons
@@ -124,7 +124,7 @@ def test_photons_are_traced_and_drawn(bpy: Any, look: Any) -> None:
 
 
 def test_a_picked_place_has_discs_and_paths(bpy: Any, look: Any) -> None:
-    from photon_map.addon.photon_view.drawing import cloud_of
+    from photon_map.addon.photon_view.cloud import cloud_of
     from photon_map.addon.photon_view.panel import lines_of_place
 
     own = bpy.context.window_manager.photon_map_photons

@@ -24,9 +24,15 @@ def test_the_engine_is_registered_with_its_label(bpy: Any) -> None:
 
 
 def test_registering_loads_no_heavy_package(bpy: Any) -> None:
-    """In a process of its own: the other tests of this file may have rendered."""
+    """In a process of its own: the other tests of this file may have rendered.
+
+    Not even NumPy, which takes twice as long as all the rest; Blender's module has it already,
+    so it is hidden.
+    """
     code = f"""
 import os, sys, importlib.util
+import bpy
+sys.modules["numpy"] = None
 spec = importlib.util.spec_from_file_location(
     "photon_map", r"{ROOT}/__init__.py", submodule_search_locations=[r"{ROOT}"])
 package = importlib.util.module_from_spec(spec)
@@ -135,6 +141,7 @@ def test_own_panels_draw(bpy: Any) -> None:
     stage = SimpleNamespace(name="caustics", on=True, reason="1 casters (Ball)")
     plan = SimpleNamespace(stages=[stage], warnings=["a warning of the plan"])
     remember(bpy.context.scene, plan, ["a warning of the export"])
+    bpy.context.view_layer.use_pass_mist = True
     meshes = bpy.data.objects.new("M", bpy.data.meshes.new("M"))
     for panel in ui.CLASSES:
         if not issubclass(panel, PhotonMapPanel):

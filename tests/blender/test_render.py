@@ -195,6 +195,24 @@ def test_two_renders_give_the_same_bits_and_leave_no_thread(
     assert threading.active_count() == before
 
 
+def test_the_noise_of_an_animation_stands_still(bpy: Any, small: Any, tmp_path: Path) -> None:
+    """Frames in which nothing moves are the same; a seed with keys makes others of them."""
+    floor(bpy)
+    add_light(bpy, "AREA", energy=50.0).location = (0.0, 1.0, 3.0)
+    scene = bpy.context.scene
+
+    def frame(number: int) -> np.ndarray:
+        scene.frame_set(number)
+        return combined(bpy, tmp_path)
+
+    first = frame(1)
+    assert first.any() and np.array_equal(first, frame(17))
+    for number in (1, 17):
+        scene.photon_map.seed = number
+        assert scene.photon_map.keyframe_insert("seed", frame=number)
+    assert not np.array_equal(frame(1), frame(17))
+
+
 def test_a_cancelled_render_leaves_no_thread(
     bpy: Any, small: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

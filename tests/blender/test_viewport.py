@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+import weakref
 from types import SimpleNamespace
 from typing import Any
 
@@ -238,6 +239,68 @@ def test_what_takes_long_is_said_behind_the_coarse_picture(bpy: Any, viewport: A
     viewport.render._worker = Worker(None, None, None, KeptBox())
     assert not viewport.render.has_news()
     assert draw(viewport) == "Pass 1/1 | Rendering"
+
+
+def test_warnings_of_the_export_are_counted_in_the_corner(
+    bpy: Any, core: Any, viewport: Any
+) -> None:
+    from photon_map.addon.insight import insight_of
+
+    bpy.context.scene.render.use_motion_blur = True
+    viewport.render.update(viewport.context, bpy.context.evaluated_depsgraph_get())
+    wait_until(lambda: not workers())
+    said = "Pass 3/3 | Error 50.0 % | 1 warning: see Render Properties"
+    assert draw(viewport) == said
+    assert not viewport.render.has_news()
+    found = insight_of(bpy.context.scene)
+    assert found is not None and len(found.warnings) == 1
+    assert "motion blur" in found.warnings[0]
+
+
+def test_a_failure_of_drawing_is_said_once(
+    bpy: Any, core: Any, viewport: Any, monkeypatch: pytest.MonkeyPatch, capfd: Any
+) -> None:
+    from photon_map.addon import viewport as module
+
+    viewport.render.update(viewport.context, viewport.depsgraph)
+    wait_until(lambda: not workers())
+
+    def broken(pixels: Any) -> None:
+        raise RuntimeError("no texture today")
+
+    monkeypatch.setattr(module, "upload", broken)
+    assert [draw(viewport) for _ in range(3)] == ["RuntimeError: no texture today"] * 3
+    assert capfd.readouterr().err.count("Traceback") == 1
+    assert not viewport.render.has_news() and not workers()
+
+
+def test_the_timer_ends_the_worker_of_an_engine_that_is_gone(
+    bpy: Any, core: Any, viewport: Any
+) -> None:
+    """Blender frees an engine that Python still holds: then it has no attributes any more."""
+    from photon_map.addon.engine import WATCH, watch
+
+    class Engine:
+        drawn = 0
+
+        def tag_redraw(self) -> None:
+            self.drawn += 1
+            if self.drawn == 2:
+                raise ReferenceError("StructRNA of type PhotonMapEngine has been removed")
+
+    engine = Engine()
+    look = watch(weakref.ref(engine), viewport.render)
+    go_on = threading.Event()
+    core.on_pass = lambda number: go_on.wait(20)
+    viewport.render.update(viewport.context, viewport.depsgraph)
+    viewport.render._failure = "something new to say"
+    assert look() == WATCH and engine.drawn == 1 and workers()
+    assert look() is None and engine.drawn == 2
+    go_on.set()
+    wait_until(lambda: not workers())
+    assert viewport.render._worker is None
+    del engine
+    assert look() is None
 
 
 def test_the_coarse_picture_has_few_photons() -> None:
