@@ -83,6 +83,11 @@ class _Whole(JITCodeLibrary):
     def finalize(self) -> None:
         """Take in each needed part once, optimise, make machine code."""
         self._linking_libraries = _link_needed(self, self._final_module)
+        for function in self._final_module.functions:
+            if function.linkage == Linkage.linkonce_odr and not function.is_declaration:
+                # Nobody else calls it: LLVM then drops the arguments that it does not use. A
+                # table is seven words, the lights are two hundred, and each call pushed them.
+                function.linkage = "internal"
         super().finalize()
 
 
