@@ -26,6 +26,7 @@ from llvmlite import binding
 from numpy.typing import NDArray
 
 from .kernel_dispatcher import KernelDispatcher
+from .kernel_dispatcher import obey as obey
 
 #: Kernel arguments: a structured array or plain array, and one row or named tuple of them.
 #: NumPy's types cannot name the fields of a structured array.

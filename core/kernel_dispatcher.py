@@ -13,6 +13,9 @@ each function that is compiled.
 
 from __future__ import annotations
 
+import threading
+from concurrent.futures import CancelledError
+from contextvars import ContextVar
 from typing import Any
 
 from llvmlite.binding import Linkage
@@ -29,6 +32,24 @@ from numba.core.types.misc import Omitted, unliteral
 from numba.core.types.scalars import Integer
 
 _INT64 = Integer("int64")
+
+#: Set when the render that a thread works for has been cancelled.
+_STOP: ContextVar[threading.Event | None] = ContextVar("stop", default=None)
+
+
+def obey(stop: threading.Event) -> None:
+    """Have this thread load and compile no more kernels once ``stop`` is set.
+
+    Calls that would have to then raise ``CancelledError``.
+    """
+    _STOP.set(stop)
+
+
+def _check_wanted() -> None:
+    stop = _STOP.get()
+    if stop is not None and stop.is_set():
+        raise CancelledError
+
 
 #: Passes that change nothing in a kernel: it has no closures, ``with``, literal loops,
 #: array expressions or prange.
@@ -183,7 +204,9 @@ class KernelDispatcher(CPUDispatcher):
             for a in args
         )
         try:
+            _check_wanted()
             with global_compiler_lock:
+                _check_wanted()  # others may have compiled meanwhile
                 if kinds not in self._wholes:
                     self._wholes[kinds] = self._loaded(kinds)
                     codes = [kind._code for kind in kinds]

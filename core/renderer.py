@@ -16,7 +16,7 @@ from .balance import PASSES, Look, balanced, is_free, part_of_look, stage_of
 from .camera_pass.chunk import PhotonMaps, Pixels, Region, trace_chunk
 from .film.film import Film
 from .film.stated_error import UNKNOWN
-from .jit import has_compiled, set_compiled
+from .jit import has_compiled, obey, set_compiled
 from .kept import Kept
 from .light_groups import GroupChunk, lit_by, trace_groups
 from .photon_memory import (
@@ -85,8 +85,8 @@ class _Render:
         self.region = region
         self.plan = Plan.of(scene, settings)
         self.film = self._film(region.width, region.height)
-        self.pool = ThreadPoolExecutor(settings.thread_count, "photon_map")
         self.stop = threading.Event()
+        self.pool = ThreadPoolExecutor(settings.thread_count, "photon_map", obey, (self.stop,))
         self.begin = time.perf_counter()
         self.render_begin = self.begin
         # Chunks queued at a time: enough for every thread, few enough for the memory.
@@ -135,7 +135,7 @@ class _Render:
         finally:
             self.stop.set()
             # A kernel that is being compiled cannot be interrupted: its thread then ends by
-            # itself a little later. Everything else is joined here.
+            # itself before the next one. Everything else is joined here.
             self.pool.shutdown(wait=not self.compiling, cancel_futures=True)
 
     def _update(self, phase: Phase, message: str) -> Update:

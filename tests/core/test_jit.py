@@ -5,13 +5,16 @@ from __future__ import annotations
 import subprocess
 import sys
 import textwrap
+import threading
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 
 import numpy as np
+import pytest
 from numba import njit
 from numba.core import event
 
 from photon_map.core import jit
-from photon_map.core.jit import fingerprint, kernel
+from photon_map.core.jit import fingerprint, kernel, obey
 
 
 def run(folder, cache):
@@ -138,3 +141,25 @@ def test_each_compiled_function_is_told():
         outer(1)
     told = [e.data["dispatcher"] for _, e in recorder.buffer if e.is_start]
     assert told == [outer, inner]
+
+
+def test_a_cancelled_render_compiles_no_further_kernel():
+    """Else Blender would wait for all of them when it is left during the first render."""
+    stop = threading.Event()
+
+    @kernel
+    def known(x):
+        return x + 1.0
+
+    @kernel
+    def unknown(x):
+        return x + 2.0
+
+    with ThreadPoolExecutor(1, "jit", obey, (stop,)) as pool:
+        assert pool.submit(known, 1.0).result() == 2.0
+        stop.set()
+        with pytest.raises(CancelledError):
+            pool.submit(unknown, 1.0).result()
+        assert not unknown._wholes
+        assert pool.submit(known, 1.0).result() == 2.0, "what is there can be called"
+    assert unknown(1.0) == 3.0, "other threads may go on"
