@@ -38,6 +38,7 @@ from .photons.trace import Walk
 from .pilot import Radii
 from .plan import Plan
 from .prepared import Prepared
+from .sampling.rng import REPLICATES
 from .scene.scene import Scene, SceneError
 from .settings import Settings
 from .update import Phase, Update
@@ -185,8 +186,7 @@ class _Render:
     def _warm_up(self, prepared: Prepared, radii: Radii, source: PhotonSource) -> None:
         """A few pixels through every kernel: compiling is set-up, not rendering."""
         few = [replace(batch, count=min(batch.count, 16)) for batch in source.batches]
-        walks = [source.walk(0, batch) for batch in few]
-        maps = photon_maps(self.settings, radii, 0, few, walks)
+        maps = photon_maps(self.settings, radii, 0, few, [source.walk(0, b) for b in few])
         if prepared.focus.found and maps.focus is None:
             maps = maps._replace(focus=maps.global_)
         total = self.region.width * self.region.height
@@ -194,7 +194,7 @@ class _Render:
         pixels = Pixels(0, total // stride, stride)
         chunk = trace_chunk(prepared, self.settings, self.region, 0, pixels, maps)
         film = self._film(pixels.count, 1)
-        for i in range(2):
+        for i in range(REPLICATES):
             film.add(i, 0, chunk.samples)
             film.add_asked(i, 0, chunk.first_hits, chunk.kinds, chunk.aovs)
         film.stated_error()

@@ -17,6 +17,7 @@ from ..photons.photon_map import Crowd, PhotonMap
 from ..photons.shadow import ShadowMap
 from ..photons.sight import SIGHT
 from ..prepared import Prepared
+from ..room import ROOM
 from ..scene.camera_data import CameraData
 from ..settings import Settings
 from .caustics import gather_caustics
@@ -31,7 +32,6 @@ from .patches import own_patches
 from .paths import start_paths, step_paths
 from .rays import Lit, Rays
 from .records import VERTEX
-from .room import ROOM
 from .tree import split, thin_out
 
 
@@ -150,8 +150,12 @@ def _gather(
     samples: NDArray[np.void],
     kinds: KindLight | None,
     level: int = 0,
+    sent: int = 0,
 ) -> int:
-    """Light by photons, at ``ends`` and where gather rays from there end; rays traced."""
+    """Light by photons, at ``ends`` and where gather rays from there end; rays traced.
+
+    ``level``: gathers so far, ``sent``: rays from a place in the first of them.
+    """
     if maps.caustic is not None:
         asked = (prepared.camera, maps.caustic, maps.caustic_borders, maps.caustic_radii)
         gather_caustics(
@@ -177,15 +181,16 @@ def _gather(
     traced = rays.traced
     if maps.global_ is not None:
         near = ends_near(far.vertices, NEAR * maps.global_radius, level)
-        if near.any():
-            far, close = Lit(far.vertices[~near], far.lobes), Lit(far.vertices[near], far.lobes)
         gather_indirect(
             far.lobes, maps.global_, maps.global_borders, maps.global_radius, far.vertices,
-            gather_order(maps.global_, far.vertices), rows, np.zeros(SIGHT), own_patches(),
-            maps.salt,
+            gather_order(maps.global_, far.vertices, near), rows, np.zeros(SIGHT),
+            own_patches(), maps.salt,
         )  # fmt: skip
         if near.any():
-            traced += _gather_near(prepared, settings, i, close, maps, rows, level)
+            # The few that are near are copied; the room is needed anew.
+            close = Lit(far.vertices[near], far.lobes)
+            sent = sent or settings.rays_each
+            traced += _gather_near(prepared, settings, i, close, maps, rows, level, sent)
     if kinds:
         at = np.zeros(len(samples), np.int32)
         at[ends.vertices["slot"]] = np.arange(len(ends.vertices))
@@ -203,14 +208,15 @@ def _gather_near(
     maps: PhotonMaps,
     rows: NDArray[np.void],
     level: int,
+    sent: int,
 ) -> int:
     """Light of ``near``, gathered anew, into the indirect layer of ``rows``; rays traced."""
     slots = near.vertices["slot"].copy()
-    begin_again(near.vertices)
+    begin_again(near.vertices, sent)
     light = np.zeros(len(slots), SAMPLE)
-    one = replace(settings, gather_rays=1)
+    one = settings if settings.gather_rays == 1 else replace(settings, gather_rays=1)
     rays = light_directly(prepared, one, i, near, maps.shadows, light, None)
-    rays += _gather(prepared, one, i, near, maps, light, None, level + 1)
+    rays += _gather(prepared, one, i, near, maps, light, None, level + 1, sent)
     add_as_indirect(light, slots, rows)
     return rays
 

@@ -86,17 +86,21 @@ def start_gather(
     return out
 
 
-def gather_order(photon_map: PhotonMap, vertices: NDArray[np.void]) -> NDArray[np.intp]:
+def gather_order(
+    photon_map: PhotonMap, vertices: NDArray[np.void], left_out: NDArray[np.bool_]
+) -> NDArray[np.intp]:
     """The order to ask a photon map at ``vertices`` in: by its cells when it is large.
 
     Final-gather rays end everywhere, so each would fetch its photons from memory again.
     Vertices of one pixel keep the same order among themselves, however pixels are chunked.
+    ``left_out`` (n,) tells those that are not asked for.
     """
     if photon_map.photons.nbytes < _LARGE:
-        return np.arange(len(vertices), dtype=np.intp)
+        return np.flatnonzero(~left_out)
     bucket = np.empty(len(vertices), np.int32)
     find_vertex_buckets(photon_map.cell, photon_map.buckets, vertices, bucket)
-    return np.argsort(bucket, kind="stable")
+    order = np.argsort(bucket, kind="stable")
+    return order[~left_out[order]]
 
 
 @kernel

@@ -17,6 +17,8 @@ from .seen import add
 
 #: Ways that are shorter than this part of the global disc's radius are too short.
 NEAR = 0.5
+#: Ends that carry less than this part of what a camera path does go on by chance.
+FAINT = 0.5
 #: Gathers that may follow each other; a disc serves behind the last.
 MOST_LEVELS = 16
 
@@ -29,12 +31,17 @@ def ends_near(vertices: NDArray[np.void], least: float, level: int) -> NDArray[n
 
 
 @kernel
-def begin_again(vertices: Table) -> None:
+def begin_again(vertices: Table, sent: int) -> None:
     """Make the ends of chains starts, in rows of their own.
 
-    Their random numbers are others than those that have chosen the way there.
+    Their random numbers are others than those that have chosen the way there. Faint ends are
+    lit too, but send a ray in the mean of their ``portion`` only; no ray carries more for it
+    than the first ones, of which there were ``sent``.
     """
     for k in range(len(vertices)):
+        beta = vertices[k].beta
+        carried = sent * max(beta[0], beta[1], beta[2])
+        vertices[k].portion = min(1.0, max(carried, 1e-3) / FAINT)
         vertices[k].slot = k
         vertices[k].pixel_key = mix(vertices[k].key + np.uint64(1))
 

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ..photons.shadow import ASK, LIT, ShadowMap, decide
 from ..prepared import Prepared
+from ..room import ROOM
 from ..settings import Settings
 from .direct import add_direct, sample_direct
 from .kinds import KindLight, directions_to_lights
-from .room import ROOM
 from .shadow import free_part
 
 if TYPE_CHECKING:

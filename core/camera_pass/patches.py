@@ -72,8 +72,8 @@ def place_of(
     b = int(math.floor(dot(p, s) / edge))
     c = int(math.floor(dot(p, n) / step + 0.5))
     key = np.uint64(2 * salt + (1 if outside else 0))
-    for k in (x, y, z, a, b, c):
-        key = mix(key ^ np.uint64(k))
+    for low, high in ((x, y), (z, c), (a, b)):
+        key = mix(key ^ np.uint64(low) ^ (np.uint64(high) << np.uint64(32)))
     middle = add(
         add(scale(t, (a + 0.5) * edge), scale(s, (b + 0.5) * edge)), scale(n, c * step)
     )

@@ -66,7 +66,9 @@ def start_paths(
         key = stream(seed, CAMERA, i, y * image_width + x)
         pixel_key = stream(seed, CAMERA, -1, y * image_width + x)
         u_x, u_y = camera_2d(i, pixel_key, FILTER)
-        u_lens, v_lens = camera_2d(i, pixel_key, LENS)
+        u_lens = v_lens = 0.5
+        if camera.lens_radius > 0.0:
+            u_lens, v_lens = camera_2d(i, pixel_key, LENS)
         o, d, before, reach = camera_ray(camera, x, y, u_x, u_y, u_lens, v_lens)
         path = paths[k]
         path.key = key
@@ -315,7 +317,7 @@ def step_paths(
         if wide + narrow <= 0.0:
             continue
         path.depth += 1
-        u_stop, u_event = choices(path, gather, i, base)
+        u_stop, u_event = choices(path, gather, i, base) if narrow > 0.0 else (0.0, 0.0)
         part, own = (WIDE, wide) if u_stop * (wide + narrow) >= narrow else (NARROW, narrow)
         share = (wide + narrow) / own
         if part == WIDE or (not gather and has_rough_narrow(path, lobes)):

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ..bsdf.hit import HIT
 from ..prepared import Prepared
+from ..room import ROOM
 from .records import PATH
-from .room import ROOM
 
 
 class Rays:

@@ -19,9 +19,9 @@ from ..geometry.intersector import Hits
 from ..geometry.media import ior_around, is_hidden
 from ..geometry.vector import vector
 from ..jit import Row, Table, kernel
+from ..room import ROOM
 from ..sampling.rng import mix, uniform
 from .records import PATH, REFLECTED, REFRACTED, SPLIT, THIN
-from .room import ROOM
 
 if TYPE_CHECKING:
     from ..prepared import Prepared

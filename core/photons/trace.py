@@ -24,6 +24,7 @@ from ..geometry.vector import Vector, dot, read, scale, store, times, vector
 from ..jit import Row, Table, kernel
 from ..lights.dispatch import casts_shadow
 from ..lights.emission import reaches
+from ..room import ROOM
 from ..sampling.rng import uniform
 from ..scene.tables import Visibility
 from ..settings import Settings
@@ -93,9 +94,9 @@ def trace_photons(
     Returns a ``Walk``; its ``order`` grows with path and depth, so that batches can be
     put in one order whatever their size was.
     """
-    origins = np.zeros((count, 3), np.float32)
-    directions = np.zeros((count, 3), np.float32)
-    paths = np.zeros(count, PHOTON_PATH)
+    origins = ROOM.take("photon origins", count, "f4", 3)
+    directions = ROOM.take("photon directions", count, "f4", 3)
+    paths = ROOM.take("photon paths", count, PHOTON_PATH)
     alive = emit_photons(
         prepared.mesh, prepared.materials, prepared.shading, prepared.lights,
         prepared.light_media, spheres, light_cdf, aimed, settings.seed, purpose, i, start,
@@ -103,27 +104,25 @@ def trace_photons(
     )  # fmt: skip
     room = prepared.lobe_room(0)
     meeting = np.zeros(1, HIT)
-    stored: list[NDArray[np.void]] = []
-    orders: list[NDArray[np.int64]] = []
-    rays = 0
+    each = 2 if prepared.focus.found > 0 and not aimed else 1
+    kept = rays = 0
     while alive:
         rays += alive
         hits = prepared.intersector.nearest(origins[:alive], directions[:alive])
         if watcher is not None:
             watcher(paths[:alive], origins[:alive], hits)
-        most = 2 * alive if prepared.focus.found > 0 and not aimed else alive
-        photons = np.zeros(most, PHOTON)
-        order = np.zeros(most, np.int64)
-        alive, kept = step_photons(
+        photons = ROOM.take("photons", kept + each * alive, PHOTON, kept=kept)
+        order = ROOM.take("order", kept + each * alive, np.int64, kept=kept)
+        alive, stored = step_photons(
             prepared.mesh, prepared.materials, room, prepared.shading, prepared.lights,
             prepared.focus, len(prepared.lobes), aimed, settings.photon_depth, hits.face,
-            hits.u, hits.v, meeting, alive, origins, directions, paths, photons, order,
+            hits.u, hits.v, meeting, alive, origins, directions, paths, photons[kept:],
+            order[kept:],
         )  # fmt: skip
-        stored.append(photons[:kept])
-        orders.append(order[:kept])
-    if not stored:
-        return Walk(np.zeros(0, PHOTON), np.zeros(0, np.int64), rays)
-    return Walk(np.concatenate(stored), np.concatenate(orders), rays)
+        kept += stored
+    photons = ROOM.take("photons", kept, PHOTON, kept=kept)
+    order = ROOM.take("order", kept, np.int64, kept=kept)
+    return Walk(photons.copy(), order.copy(), rays)
 
 
 @kernel

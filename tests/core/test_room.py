@@ -9,7 +9,7 @@ import pytest
 
 from photon_map.core import Settings, render
 from photon_map.core.camera_pass import chunk
-from photon_map.core.camera_pass.room import ROOM, Room
+from photon_map.core.room import ROOM, Room
 from photon_map.tests import scenes
 
 

@@ -1,4 +1,4 @@
-"""Room for the arrays that a thread works in, chunk after chunk.
+"""Room for the arrays that a thread works in, chunk after chunk, batch after batch.
 
 They hold megabytes. Asked for anew they come from the system each time, which clears and maps
 each of their pages at its first touch: a tenth of the time of a pass.
