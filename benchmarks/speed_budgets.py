@@ -27,6 +27,8 @@ sys.path.insert(0, str(ROOT))
 
 #: Largest figures asked for.
 SETUP, COLD, EMBREE, EFFICIENCY = 3.0, 30.0, 2.0, 0.9
+#: Most memory that ten million triangles may take [MB], and quads along a side of them.
+MOST_MEMORY, TEN_MILLION = 16_000, 2236
 #: Passes of one measurement.
 PASSES = 24
 #: Scenes that stand for diffuse light, glass, many rays and many triangles.
@@ -66,6 +68,7 @@ def measurements() -> Iterator[tuple[str, str, Callable[[], Any]]]:
     for name in SAMPLES:
         yield "setup", name, partial(sample, name)
     yield "", "million", partial(child, "start", "million")
+    yield "", "ten_million", partial(child, "start", "ten_million")
     yield "", "warm", partial(child, "start", "glass_box")
     yield "", "cold", cold
 
@@ -101,7 +104,12 @@ def start(scene: str) -> dict[str, Any]:
     from speed_worker import peak_megabytes
 
     began = time.perf_counter()
-    built = CASES[scene].build()
+    if scene == "ten_million":
+        from speed_caustics import million
+
+        built = million(TEN_MILLION)
+    else:
+        built = CASES[scene].build()
     building = time.perf_counter() - began
     from speed_photonmap import settings
 
@@ -241,6 +249,14 @@ def section(found: dict[str, Any]) -> Iterator[str]:
             facts = found[which]
             yield f"| setup, {name} | {facts['setup']:.1f} s | stated | |"
             yield f"| peak memory, {name} | {facts['peak_mb']:.0f} MB | stated | |"
+    if "ten_million" in found:
+        facts = found["ten_million"]
+        peak = facts["peak_mb"]
+        yield f"| setup, ten million triangles | {facts['setup']:.0f} s | stated | |"
+        yield (
+            f"| peak memory, ten million triangles, the scene's making included | "
+            f"{peak / 1000:.1f} GB | {MOST_MEMORY / 1000:.0f} GB | {mark(peak, MOST_MEMORY)} |"
+        )
     for name, facts in found["setup"].items():
         setup = facts["setup"]
         yield (

@@ -154,8 +154,8 @@ def hdri_glass() -> Scene:
     return b.build()
 
 
-def million() -> Scene:
-    """A million triangles of rough ground and a glass ball under sky and sun."""
+def million(side: int = 700) -> Scene:
+    """2 ``side``^2 triangles of rough ground and a glass ball under a lamp and the sky."""
     b = SceneBuilder("a million triangles")
     random = np.random.default_rng(1)
     terms = [
@@ -169,7 +169,7 @@ def million() -> Scene:
             total += size * np.sin(way[0] * x + way[1] * y + phase) / 1.5
         return total
 
-    ground = height_field((-2, -2), (2, 2), 700, height)
+    ground = height_field((-2, -2), (2, 2), side, height)
     material = b.add_material("ground", [diffuse((0.5, 0.4, 0.3))])
     b.add_mesh("ground", *ground, material, vertex_normals(ground))
     glass = b.add_material("glass", [dielectric(1.5)])
