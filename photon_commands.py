@@ -73,7 +73,10 @@ class Kind(StrEnum):
 def photons(
     file: FileArgument,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="OUT.ply|OUT.png")
+        list[Path] | None,
+        typer.Option(
+            "--output", "-o", metavar="OUT.ply|OUT.png", help="May be given several times."
+        ),
     ] = None,
     color: Annotated[Colour, typer.Option(help="What the colours tell.")] = Colour.POWER,
     kind: Annotated[Kind, typer.Option(help="Which photons.")] = Kind.ALL,
@@ -95,24 +98,25 @@ def photons(
     pixel = re.fullmatch(r"(\d{1,5}),(\d{1,5})", at) if at else None
     if at and not pixel:
         raise typer.BadParameter(f"'{at}' is not like 120,80", param_hint="--at")
-    if output is None and not pixel:
+    outputs = output or []
+    if not outputs and not pixel:
         raise typer.BadParameter("-o or --at is needed", param_hint="--output")
     with reported_errors():
         source = source_of(file, frame, size, overrides)
-        if output is not None:
-            suffixes = (".ply",) if pixel else (".ply", ".png")
-            if output.suffix.lower() not in suffixes:
+        suffixes = (".ply",) if pixel else (".ply", ".png")
+        for path in outputs:
+            if path.suffix.lower() not in suffixes:
                 what = "paths" if pixel else "photons"
                 raise CommandError(
-                    f"'{output}': {what} are written to a {' or a '.join(suffixes)}"
+                    f"'{path}': {what} are written to a {' or a '.join(suffixes)}"
                 )
-            check_writable(output, file)
+            check_writable(path, file)
         loaded = source.load()
         warn(*loaded.warnings)
         if pixel:
-            _look_at(loaded, int(pixel[1]), int(pixel[2]), kind, color, output)
-        elif output is not None:
-            _write_photons(loaded, kind, color, output)
+            _look_at(loaded, int(pixel[1]), int(pixel[2]), kind, color, outputs)
+        else:
+            _write_photons(loaded, kind, color, outputs)
 
 
 def _chosen(caustic: Any, kind: Kind) -> Any:
@@ -120,18 +124,19 @@ def _chosen(caustic: Any, kind: Kind) -> Any:
     return (caustic == (kind is Kind.CAUSTIC)) | (kind is Kind.ALL)
 
 
-def _write_photons(loaded: Loaded, kind: Kind, color: Colour, output: Path) -> None:
-    """All photons as a cloud or a picture, and a legend."""
+def _write_photons(loaded: Loaded, kind: Kind, color: Colour, outputs: list[Path]) -> None:
+    """All photons as clouds or pictures, and a legend."""
     from .core.photon_shades import photon_colours, photon_legend
     from .core.photon_view import picture_places, view_photons
     from .photon_picture import picture, write_ply
 
     view = view_photons(loaded.scene, loaded.settings)
     view = view.only(_chosen(view.caustic, kind))
-    with replacing(output) as part:
-        if output.suffix.lower() == ".ply":
-            write_ply(part, view, color)
-        else:
+    for output in outputs:
+        with replacing(output) as part:
+            if output.suffix.lower() == ".ply":
+                write_ply(part, view, color)
+                continue
             from PIL import Image
 
             rows, pixels = picture_places(loaded.scene, loaded.settings, view)
@@ -141,11 +146,12 @@ def _write_photons(loaded: Loaded, kind: Kind, color: Colour, output: Path) -> N
             Image.fromarray(picture(seen, pixels, camera.width, camera.height)).save(part)
     for entry in photon_legend(view, color)[:_NAMED]:
         typer.echo(f"{entry.number:9d}  {entry.name}")
-    typer.echo(f"{len(view.position)} photons: wrote {output}")
+    wrote = ", ".join(map(str, outputs))
+    typer.echo(f"{len(view.position)} photons: wrote {wrote}")
 
 
 def _look_at(
-    loaded: Loaded, x: int, y: int, kind: Kind, color: Colour, output: Path | None
+    loaded: Loaded, x: int, y: int, kind: Kind, color: Colour, outputs: list[Path]
 ) -> None:
     """The numbers of the discs that a pixel sees, and the paths of their photons."""
     from .core.photon_shades import photon_colours, photon_legend
@@ -178,8 +184,8 @@ def _look_at(
             for entry in photon_legend(view, by, disc.weight)[:_NAMED]:
                 share = 100 * entry.share
                 typer.echo(f"{entry.number:9d}  {share:5.1f} %  {by} {entry.name}")
-    if output is not None:
-        every = np.concatenate([np.zeros(0, np.intp), *rows])
+    every = np.concatenate([np.zeros(0, np.intp), *rows])
+    for output in outputs:
         with replacing(output) as part:
             shades = photon_colours(viewed.view.only(every), color)
             write_paths(part, viewed.paths(every), shades)

@@ -68,7 +68,10 @@ def test_kinds_and_counts_are_heard(scene_file: Path, tmp_path: Path):
 
 
 def test_a_picture_shows_photons_on_black(scene_file: Path, tmp_path: Path):
-    assert run(scene_file, "-o", tmp_path / "a.png", "--size", "40x30").exit_code == 0
+    both = "-o", tmp_path / "a.png", "-o", tmp_path / "a.ply"
+    done = run(scene_file, *both, "--size", "40x30")
+    assert done.exit_code == 0 and f"a.png, {tmp_path / 'a.ply'}" in done.output, done.output
+    assert f"{len(read_ply(tmp_path / 'a.ply')[1])} photons" in done.output
     with Image.open(tmp_path / "a.png") as image:
         pixels = np.asarray(image)
     assert pixels.shape == (30, 40, 3)
