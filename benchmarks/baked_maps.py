@@ -6,7 +6,8 @@ Renders 24 frames of a sliding orthographic camera over the glass box's floor, e
 pixel farther, so that every place of the floor is seen at a pixel's middle in every frame:
 once with photons traced for each frame (a seed each, as for an animation) and once with one
 bake for all. Prints the numbers of docs/baking.md; with --figure draws
-docs/pictures/baked_maps.png of the fewer photons.
+docs/pictures/baked_maps.png of the fewer photons. With --middle all of a pixel's camera rays go
+through its middle, so that nothing but the photons can flicker.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ SIZE = 96
 #: Width of the picture [m]: what the frames share is seen in all of them.
 WIDTH = 1.2
 SETTINGS = Settings(passes=8, pixel_filter="BOX", filter_width=1.0)
+#: Width of a filter that lets through the pixel's middle alone.
+MIDDLE = 0.01
 
 
 def frame_scene(scene: Scene, frame: int) -> Scene:
@@ -71,13 +74,15 @@ def main() -> None:
     """Both flights with few and with many photons."""
     parser = argparse.ArgumentParser(description="Baked maps against traced photons.")
     parser.add_argument("--figure", action="store_true", help="draw the docs' figure")
+    parser.add_argument("--middle", action="store_true", help="rays by the pixels' middle")
     parser.add_argument("photons", nargs="*", type=int, default=[8192, 131072])
     given = parser.parse_args()
+    settings = replace(SETTINGS, filter_width=MIDDLE) if given.middle else SETTINGS
     scene = cornell_glass(SIZE, smooth=True, subdivisions=3)
     *_, _ = render(frame_scene(scene, 0), replace(SETTINGS, passes=1))
     with tempfile.TemporaryDirectory() as folder:
         for photons in given.photons:
-            base = replace(SETTINGS, photons_caustic=photons, photons_global=photons)
+            base = replace(settings, photons_caustic=photons, photons_global=photons)
             traced, words, rays = flight(
                 scene, [replace(base, seed=frame) for frame in range(FRAMES)]
             )

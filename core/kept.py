@@ -99,6 +99,7 @@ class _KeptPhotons:
         self._kept, self._source, self._settings = kept, source, settings
         self.batches = source.batches
         self.focused = source.focused
+        self.seed = source.seed
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """What ``batch`` of pass ``i`` left."""

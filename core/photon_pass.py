@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from typing import Protocol
 
@@ -59,11 +59,13 @@ def photon_batches(plan: Plan, settings: Settings, pixels: int) -> list[Batch]:
 class PhotonSource(Protocol):
     """Where the photons of a render come from: ``batches`` of each pass, walks, a pilot.
 
-    ``focused``: whether they are shared out at crowded places (``photons.focus``).
+    ``focused``: whether they are shared out at crowded places (``photons.focus``); ``seed``
+    of their random numbers.
     """
 
     batches: list[Batch]
     focused: bool
+    seed: int
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """What ``batch`` of pass ``i`` left."""
@@ -80,6 +82,7 @@ class TracedPhotons:
         self._settings = settings
         self.batches = batches
         self.focused = prepared.focus.found > 0
+        self.seed = settings.seed
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """Emit and trace one batch of pass ``i``."""
@@ -116,9 +119,11 @@ def pilot_radii(
         caustics = any(batch.caustic for batch in source.batches)
         radii = first_radii(prepared, settings, region, source.pilot(), caustics)
         if caustics:
-            # Traced even where the others are baked: they shall be others.
+            # Traced even where the others are baked: they shall be others. With the seed of
+            # these, so that discs are as large in all frames of a flight.
             number = DRAFT_CROWD if settings.draft else CROWD
-            walk = trace_batch(prepared, settings, PILOT_PASS, Batch(True, 0, number, number))
+            chosen = replace(settings, seed=source.seed)
+            walk = trace_batch(prepared, chosen, PILOT_PASS, Batch(True, 0, number, number))
             crowd = build_photon_map([walk], radii.caustic[3])
             radii = radii._replace(crowd=crowd, crowd_photons=number)
     if settings.shadow_photons:

@@ -15,7 +15,7 @@ from ..scene.scene import Scene
 from ..settings import Settings
 
 #: Raised when photons come out otherwise for the same scene: a bake of another is foreign.
-TRACING_VERSION = 2
+TRACING_VERSION = 3
 
 #: Objects that are told apart by name; those beyond share one digest.
 _MOST_OBJECTS = 4096

@@ -41,6 +41,9 @@ _FIELDS = PHOTON.names or ()
 #: Parts of lobes that a photon may name (``bsdf.dispatch``).
 _PARTS = 5
 _NPY_HEADER = 256
+#: What float32 makes of unit vectors, and the brightest photon [W] that is still light.
+_LENGTH_SLACK = 1e-4
+_MOST_FLUX = 1e24
 #: No maps are compressed by more: their positions have random digits.
 _MOST_RATIO = 50
 _BROKEN = (
@@ -175,6 +178,13 @@ def _read_pass(archive: zipfile.ZipFile, i: int, header: BakeHeader) -> Maps:
         part = photons["part"]
         if count and not 0 <= part.min() <= part.max() < _PARTS:
             raise ValueError(f"a part of pass {i} is unknown")
+        for name in ("direction", "normal"):
+            length = np.linalg.norm(photons[name].astype(np.float64), axis=1)
+            if (abs(length - 1.0) > _LENGTH_SLACK).any():
+                raise ValueError(f"a {name} of pass {i} has not the length 1")
+        flux = photons["flux"]
+        if count and not 0.0 <= flux.min() <= flux.max() <= _MOST_FLUX:
+            raise ValueError(f"a flux of pass {i} is none")
         photons.setflags(write=False)
         maps.append(photons)
     return maps[0], maps[1]

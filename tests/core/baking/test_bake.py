@@ -77,6 +77,34 @@ def test_no_photon_of_a_pass_is_traced_with_a_bake(
     assert set(passes) == {PILOT_PASS, 0, 1, 2, 3}
 
 
+def test_the_caustic_of_a_place_is_the_same_from_another_camera(scene: Scene, maps: Path):
+    # Both cameras have the same place in the middle of a pixel, and other random numbers.
+    half, size = 0.6, 24
+    step = 2 * half / size
+    narrow = replace(SETTINGS, filter_width=0.01, pixel_filter="BOX")
+    baked = replace(narrow, photon_maps=str(maps), stale_maps="REFUSE")
+    deviations = []
+    for settings in (narrow, baked):
+        seen = []
+        for frame in range(2):
+            x = frame * step
+            camera = replace(
+                scene.camera, kind="ORTHOGRAPHIC", ortho_scale=2 * half, width=size,
+                height=size, matrix=look_at((x, 0, 0.9), (x, 0, -1), up=(0, 1, 0)),
+            )  # type: ignore[type-var]  # fmt: skip
+            update = last_of(replace(scene, camera=camera), replace(settings, seed=frame))
+            shared = slice(1, size) if frame == 0 else slice(0, size - 1)
+            floor = abs(update.film.resolve("depth")[:, shared, 0] - 1.9) < 1e-3
+            seen.append(np.where(floor, update.film.resolve("caustics")[:, shared, 0], 0.0))
+        both = (seen[0] > 0) | (seen[1] > 0)
+        assert both.sum() > 30
+        deviations.append(
+            np.sqrt(((seen[0] - seen[1])[both] ** 2).mean()) / seen[0][both].mean()
+        )
+    assert deviations[0] > 0.5, deviations
+    assert deviations[1] < 0.03, deviations
+
+
 def test_passes_beyond_the_baked_ones_meet_their_own_replicate(scene: Scene, maps: Path):
     source = baking.BakedPhotons(MapsFile(maps), baking.Plan.of(scene, SETTINGS))
     again = [source.pass_of(i) for i in range(11)]

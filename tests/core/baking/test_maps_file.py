@@ -22,8 +22,11 @@ HEADER = BakeHeader(4, 7, (30, 50), 1, {"lamp 'Key'": "ab"}, (0.1, 1 / 3, 1e9), 
 def photons(count: int, seed: int) -> np.ndarray:
     generator = np.random.default_rng(seed)
     table = np.zeros(count, PHOTON)
-    for name in ("position", "direction", "flux", "normal"):
-        table[name] = generator.normal(size=(count, 3))
+    table["position"] = generator.normal(size=(count, 3))
+    table["flux"] = generator.exponential(size=(count, 3))
+    for name in ("direction", "normal"):
+        way = generator.normal(size=(count, 3))
+        table[name] = way / np.linalg.norm(way, axis=1, keepdims=True)
     table["part"] = generator.integers(0, 4, count)
     return table
 
@@ -118,6 +121,7 @@ def _npy(array: np.ndarray) -> bytes:
 
 
 FLUX = "00000/caustic/flux.npy"
+NORMAL = "00000/caustic/normal.npy"
 NAN = np.full((5, 3), np.nan, np.float32)
 HUGE = _npy(np.zeros((5, 3), np.float32)).replace(b"(5, 3)", b"(9999999999999, 3)")
 
@@ -147,6 +151,10 @@ HUGE = _npy(np.zeros((5, 3), np.float32)).replace(b"(5, 3)", b"(9999999999999, 3
         ({FLUX: _npy(np.zeros((5, 3), np.float32))[:-1]}, "damaged"),
         ({FLUX: HUGE}, "expected float32"),
         ({FLUX: b"\0" * 10_000_000}, "longer than it may be"),
+        ({NORMAL: _npy(np.zeros((5, 3), np.float32))}, "normal of pass 0 has not the length 1"),
+        ({NORMAL: _npy(np.full((5, 3), 1e30, np.float32))}, "normal of pass 0 has not"),
+        ({FLUX: _npy(np.full((5, 3), -1.0, np.float32))}, "flux of pass 0 is none"),
+        ({FLUX: _npy(np.full((5, 3), 3e38, np.float32))}, "flux of pass 0 is none"),
         ({"00000/caustic/part.npy": _npy(np.full(5, 5, np.int32))}, "part of pass 0"),
         ({"00000/caustic/part.npy": _npy(np.full(5, -1, np.int32))}, "part of pass 0"),
     ],
