@@ -1,7 +1,8 @@
 """The report's figure 1: a glass cuboid without Fresnel's terms (frame 1) and with them (2).
 
 The left wall is red, the right one green: only with Fresnel's terms does the cuboid mirror a
-part of the walls. Total reflection inside of it shows in both.
+part of the walls. Frame 1 has Blender's Refraction shader, which also ends what would be
+reflected totally; the report followed it in both.
 
 Run: python sample_blends/scripts/fresnel_cuboid.py OUT.blend
 """
