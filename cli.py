@@ -118,6 +118,12 @@ def render(
         int | None,
         typer.Option(metavar="N", help="Straight paths from the lamps that spare shadow rays."),
     ] = None,
+    adaptive: Annotated[
+        bool | None,
+        typer.Option(
+            "--adaptive/--uniform", help="Camera paths where the noise is, or one a pixel."
+        ),
+    ] = None,
     split_depth: Annotated[
         int | None,
         typer.Option(metavar="N", help="Events at smooth glass that split view rays, 0: none."),
@@ -144,6 +150,7 @@ def render(
         "threads": threads,
         "photon_memory": memory,
         "shadow_photons": shadow_photons,
+        "adaptive": adaptive,
         "split_depth": split_depth,
         "pixel_filter": filter_ and filter_.name,
         "filter_width": 1.0

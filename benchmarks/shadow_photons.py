@@ -20,8 +20,9 @@ import figures
 import numpy as np
 
 from photon_map.core import Scene, SceneBuilder, Settings, render
-from photon_map.core.camera_pass.chunk import Pixels, Region, trace_camera
+from photon_map.core.camera_pass.chunk import trace_camera
 from photon_map.core.camera_pass.direct import sample_direct
+from photon_map.core.camera_pass.pixels import Pixels, Region
 from photon_map.core.camera_pass.rays import Rays
 from photon_map.core.camera_pass.shadow import free_part
 from photon_map.core.film.film import SAMPLE
@@ -107,10 +108,10 @@ def parts(world: Scene, photons: int, rays: int) -> dict[str, Any]:
     prepared = prepare(world, settings)
     assert world.camera is not None
     region = Region.of(world.camera, settings)
-    pixels = Pixels(0, SIZE * SIZE)
-    samples = np.zeros(pixels.count, SAMPLE)
+    pixels = Pixels.spread(0, SIZE * SIZE)
+    samples = np.zeros(pixels.paths, SAMPLE)
     lit = trace_camera(
-        prepared, settings, region, 0, pixels, Rays(prepared, pixels.count), samples
+        prepared, settings, region, pixels, Rays(prepared, pixels.paths), samples
     )
     count = len(lit.vertices)
     origins, directions = np.zeros((2, count, 3), np.float32)
@@ -118,7 +119,7 @@ def parts(world: Scene, photons: int, rays: int) -> dict[str, Any]:
     slots, asking, entries = np.zeros((3, count), np.int32)
     radiance = np.zeros((count, 3))
     asked = sample_direct(
-        0, 1, prepared.mesh, prepared.materials, lit.lobes, prepared.shading, prepared.lights,
+        1, prepared.mesh, prepared.materials, lit.lobes, prepared.shading, prepared.lights,
         lit.vertices, count, origins, directions, lengths, slots, radiance, asking, entries,
     )  # fmt: skip
     if asked > rays:

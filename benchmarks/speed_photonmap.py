@@ -16,7 +16,7 @@ import numpy as np
 from measure import Image
 
 from photon_map.core import Scene, Settings, render
-from photon_map.core.camera_pass.chunk import Region
+from photon_map.core.camera_pass.pixels import Region
 from photon_map.core.geometry.intersector import Intersector
 from photon_map.core.photon_pass import TracedPhotons, photon_batches, pilot_radii
 from photon_map.core.plan import Plan

@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
+from .camera_pass.chunk import Chunk, PhotonMaps, trace_chunk
+from .camera_pass.pixels import Pixels, Region
 from .photon_pass import Batch
 from .photons.trace import Walk
 from .pilot import PILOT_PASS
@@ -94,13 +95,13 @@ def is_free(settings: Settings) -> bool:
     return settings.gather_rays == AUTOMATIC
 
 
-def pixels_of(region: Region) -> Pixels:
-    """Pixels spread over ``region``, in all of its columns."""
+def pixels_of(region: Region, i: int) -> Pixels:
+    """Path ``i`` of pixels spread over ``region``, in all of its columns."""
     total = region.width * region.height
     stride = max(1, total // PIXELS)
     while stride > 1 and gcd(stride, region.width) > 1:
         stride -= 1
-    return Pixels(0, min(PIXELS, total // stride), stride)
+    return Pixels.spread(i, min(PIXELS, total // stride), stride=stride)
 
 
 def part_of_look(
@@ -109,7 +110,7 @@ def part_of_look(
     """The pixels of a ``Look`` with the camera paths of ``PASSES[camera]``."""
     plain = prepared._replace(first_hits=None)
     bare = replace(settings, gather_rays=1, light_kinds=False, first_hit=())
-    return trace_chunk(plain, bare, region, PASSES[camera], pixels_of(region), maps)
+    return trace_chunk(plain, bare, region, pixels_of(region, PASSES[camera]), maps)
 
 
 def noise_of(seen: Look) -> Noise:
@@ -128,10 +129,20 @@ def noise_of(seen: Look) -> Noise:
     return Noise(camera, spread(one["indirect"], two["indirect"]), photons)
 
 
+def caustics_by_paths(seen: Look) -> float:
+    """The part of the variance of caustics that camera paths bring, 0 to 1."""
+    one, two, three = (
+        chunk.samples["caustics"] for chunk in (seen.first, seen.second, seen.third)
+    )
+    whole = float(np.nansum((one - two) ** 2))
+    photons = float(np.nansum((one - three) ** 2))
+    return max(0.0, 1.0 - photons / whole) if whole > 0.0 else 0.0
+
+
 def cost_of(seen: Look, region: Region) -> Cost:
     """By the rays and photons of ``seen``."""
     pixels = region.width * region.height
-    each = pixels / seen.first.pixels.count
+    each = pixels / seen.first.pixels.paths
     gathered = seen.first.gathered * each
     photons = {True: 0.0, False: 0.0}
     for batch, walk in zip(seen.batches, seen.walks, strict=True):

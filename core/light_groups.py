@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera_pass.chunk import Chunk, PhotonMaps, Pixels, Region, trace_chunk
+from .camera_pass.chunk import Chunk, PhotonMaps, trace_chunk
+from .camera_pass.pixels import Pixels, Region
 from .film.layers import LIGHT_LAYERS
 from .prepared import Prepared
 from .scene.scene import Scene
@@ -58,21 +59,20 @@ def trace_groups(
     prepared: list[Prepared],
     settings: Settings,
     region: Region,
-    i: int,
     pixels: Pixels,
     maps: list[PhotonMaps],
 ) -> GroupChunk:
     """``trace_chunk`` with all lights, the first of ``prepared`` and ``maps``, and apart."""
-    whole = trace_chunk(prepared[0], settings, region, i, pixels, maps[0])
-    groups = np.zeros((pixels.count, len(prepared) - 1, 2, 3))
+    whole = trace_chunk(prepared[0], settings, region, pixels, maps[0])
+    groups = np.zeros((pixels.paths, len(prepared) - 1, 2, 3))
     quiet = replace(settings, light_kinds=False, first_hit=())
     rays = whole.rays
     for k in range(1, len(prepared)):
-        part = trace_chunk(prepared[k], quiet, region, i, pixels, maps[k])
+        part = trace_chunk(prepared[k], quiet, region, pixels, maps[k])
         rays += part.rays
         groups[:, k - 1, 0] = sum(part.samples[name] for name in LIGHT_LAYERS)
         groups[:, k - 1, 1] = part.samples["caustics"]
-    numbers = whole.samples.view(np.float64).reshape(pixels.count, -1)
+    numbers = whole.samples.view(np.float64).reshape(pixels.paths, -1)
     finite = np.isfinite(numbers).all(axis=1) & np.isfinite(groups).all(axis=(1, 2, 3))
     groups[~finite] = 0.0
     return GroupChunk(whole._replace(rays=rays), groups)

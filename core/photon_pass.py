@@ -9,9 +9,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera_pass.chunk import PhotonMaps, Region
+from .camera_pass.chunk import PhotonMaps
 from .camera_pass.density import DensityMaps
 from .camera_pass.focus import FOCUS_DISC
+from .camera_pass.pixels import Region
 from .film.layers import DENSITY_LAYER
 from .photons.focus import parted
 from .photons.photon_map import build_photon_map

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera_pass.caustics import footprints
-from .camera_pass.chunk import Pixels, Region, trace_camera, trace_gather, wide_only
+from .camera_pass.chunk import trace_camera, trace_gather, wide_only
+from .camera_pass.pixels import Pixels, Region
 from .camera_pass.rays import Rays
 from .film.film import SAMPLE
 from .geometry.borders import border_sides, borders_of, joined, no_borders, short
@@ -86,14 +87,14 @@ def first_radii(
     """
     total = region.width * region.height
     stride = max(1, total // (DRAFT_PIXELS if settings.draft else PIXELS))
-    pixels = Pixels(0, total // stride, stride)
-    samples = np.zeros(pixels.count, SAMPLE)
-    rays = Rays(prepared, pixels.count)
-    ends = trace_camera(prepared, settings, region, PILOT_PASS, pixels, rays, samples)
+    pixels = Pixels.spread(PILOT_PASS, total // stride, stride=stride)
+    samples = np.zeros(pixels.paths, SAMPLE)
+    rays = Rays(prepared, pixels.paths)
+    ends = trace_camera(prepared, settings, region, pixels, rays, samples)
     ends = wide_only(ends)
     # One ray each: the radius shall not hang on how many there will be.
     one = replace(settings, gather_rays=1)
-    far, _ = trace_gather(prepared, one, PILOT_PASS, ends, samples)
+    far, _ = trace_gather(prepared, one, ends, samples)
     size = prepared.centre.radius
     seen = footprints(prepared.camera, np.ascontiguousarray(ends.vertices["length"]))
     typical = float(np.median(seen)) if len(seen) else 1e-3 * size

@@ -12,13 +12,22 @@ from itertools import islice
 from typing import Any, NamedTuple, TypeVar
 
 from .baking.bake import photon_source
-from .balance import PASSES, Look, balanced, is_free, part_of_look, stage_of
-from .camera_pass.chunk import PhotonMaps, Pixels, Region, trace_chunk
-from .film.film import Film
+from .balance import (
+    PASSES,
+    Look,
+    balanced,
+    caustics_by_paths,
+    is_free,
+    part_of_look,
+    stage_of,
+)
+from .camera_pass.chunk import PhotonMaps
+from .camera_pass.pixels import Pixels, Region
 from .film.stated_error import UNKNOWN
 from .jit import has_compiled, obey, set_compiled
 from .kept import Kept
 from .light_groups import GroupChunk, lit_by, trace_groups
+from .path_density import PathDensity
 from .photon_memory import (
     Afforded,
     PhotonMemory,
@@ -38,10 +47,10 @@ from .photons.trace import Walk
 from .pilot import Radii
 from .plan import Plan
 from .prepared import Prepared
-from .sampling.rng import REPLICATES
 from .scene.scene import Scene, SceneError
 from .settings import Settings
 from .update import Phase, Update
+from .warm_up import empty_film, warm_up
 
 _T = TypeVar("_T")
 
@@ -85,7 +94,8 @@ class _Render:
         self.settings = settings
         self.region = region
         self.plan = Plan.of(scene, settings)
-        self.film = self._film(region.width, region.height)
+        self.film = empty_film(settings, region.width, region.height)
+        self.density = PathDensity(region.width, region.height, settings.adaptive)
         self.stop = threading.Event()
         self.pool = ThreadPoolExecutor(settings.thread_count, "photon_map", obey, (self.stop,))
         self.begin = time.perf_counter()
@@ -96,14 +106,6 @@ class _Render:
         self.memory = PhotonMemory(settings)
         self.error = UNKNOWN
         self.error_passes = 0
-
-    def _film(self, width: int, height: int) -> Film:
-        settings = self.settings
-        return Film(
-            width, height, settings.exposure, settings.first_hit, settings.matte_ranks,
-            settings.light_kinds, tuple(group.name for group in settings.light_groups),
-            settings.aovs,
-        )  # fmt: skip
 
     def updates(self) -> Iterator[Update]:
         """All phases."""
@@ -121,11 +123,11 @@ class _Render:
             traced = isinstance(source, TracedPhotons)
             self._afford(afforded, traced)
             source = self.kept.photons(source, self.settings)
-            asked = (prepared, self.settings, self.region, source)
-            radii = yield from self._watch(self.pool.submit(pilot_radii, *asked), pilot)
+            of_pilot = (prepared, self.settings, self.region, source)
+            radii = yield from self._watch(self.pool.submit(pilot_radii, *of_pilot), pilot)
             self.kept.leave(self.memory.expect(afforded.stored, radii))
-            warm_up = self.pool.submit(self._warm_up, prepared, radii, source)
-            yield from self._watch(warm_up, pilot)
+            asked = (prepared, self.settings, self.region, radii, source)
+            yield from self._watch(self.pool.submit(warm_up, *asked), pilot)
             self.compiling = False
             set_compiled()
             self.render_begin = time.perf_counter()
@@ -183,22 +185,6 @@ class _Render:
                     self.settings, photons_caustic=caustic, photons_global=global_
                 )
 
-    def _warm_up(self, prepared: Prepared, radii: Radii, source: PhotonSource) -> None:
-        """A few pixels through every kernel: compiling is set-up, not rendering."""
-        few = [replace(batch, count=min(batch.count, 16)) for batch in source.batches]
-        maps = photon_maps(self.settings, radii, 0, few, [source.walk(0, b) for b in few])
-        if prepared.focus.found and maps.focus is None:
-            maps = maps._replace(focus=maps.global_)
-        total = self.region.width * self.region.height
-        stride = max(1, total // 256)
-        pixels = Pixels(0, total // stride, stride)
-        chunk = trace_chunk(prepared, self.settings, self.region, 0, pixels, maps)
-        film = self._film(pixels.count, 1)
-        for i in range(REPLICATES):
-            film.add(i, 0, chunk.samples)
-            film.add_asked(i, 0, chunk.first_hits, chunk.kinds, chunk.aovs)
-        film.stated_error()
-
     def _balance(
         self, prepared: Prepared, radii: Radii, source: PhotonSource, traced: bool
     ) -> Generator[Update, None, tuple[Radii, PhotonSource]]:
@@ -225,6 +211,7 @@ class _Render:
         for part in parts:
             chunks.append((yield from self._watch(part, asked)))
         seen = Look(chunks[0], chunks[1], chunks[2], source.batches, found)
+        self.density.caustics = caustics_by_paths(seen)
         before, stored = self.settings, stored_in(seen.batches, found)
         fits = self.memory.fits_with(stored)
         self.settings = balanced(before, seen, self.region, traced, fits)
@@ -275,6 +262,8 @@ class _Render:
                     last = time.perf_counter()
                 self._add(i, chunks.popleft().result())
                 chunks.extend(islice(waiting, 1))
+                if not chunks:
+                    self.film.end_pass()
                 if self._out_of_time():
                     return
                 if time.perf_counter() - last >= SILENCE:
@@ -287,10 +276,10 @@ class _Render:
 
     def _add(self, i: int, chunk: GroupChunk) -> None:
         whole, groups = chunk
-        start = whole.pixels.start
-        self.film.add(i, start, whole.samples)
-        self.film.add_asked(i, start, whole.first_hits, whole.kinds, whole.aovs)
-        self.film.add_groups(start, groups)
+        ids = whole.pixels.ids
+        self.film.add(i, ids, whole.samples)
+        self.film.add_asked(i, ids, whole.first_hits, whole.kinds, whole.aovs)
+        self.film.add_groups(ids, groups)
         self.film.statistics.rays += whole.rays
 
     def _count(self, sides: list[PhotonMaps]) -> None:
@@ -330,14 +319,13 @@ class _Render:
         self, sides: list[_Side], maps: list[PhotonMaps], i: int
     ) -> Iterator[Future[GroupChunk]]:
         """The camera chunks of pass ``i``, each queued when it is asked for."""
-        total = self.region.width * self.region.height
+        pixels = self.density.pixels(i, self.film)
         size = self.settings.chunk_size
         prepared = [side.prepared for side in sides]
-        for start in range(0, total, size):
-            pixels = Pixels(start, min(size, total - start))
-            yield self._submit(
-                trace_groups, prepared, self.settings, self.region, i, pixels, maps
-            )
+        for start in range(0, pixels.paths, size):
+            part = slice(start, start + size)
+            some = Pixels(pixels.ids[part], pixels.numbers[part])
+            yield self._submit(trace_groups, prepared, self.settings, self.region, some, maps)
 
     def _submit(self, work: Callable[..., _T], *arguments: Any) -> Future[_T]:
         """Queue ``work`` unless the render has been cancelled by the time it starts."""

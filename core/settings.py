@@ -50,6 +50,8 @@ class Settings:
     that carry ``split_least`` at least (``camera_pass/tree``); 0: one is drawn by chance.
     ``min_throughput``: camera paths that carry less are ended. ``region`` is
     (x0, y0, x1, y1) in pixels, row 0 at the bottom, None for the whole image.
+    ``adaptive``: whether pixels get camera paths by their noise (``path_density``), as many in
+    all as one each.
     ``exposure`` is a factor on the light of the film's layers. ``first_hit``: layers of
     ``film.first_hits.LAYERS`` to render beside the light; mattes keep ``matte_ranks`` names.
     ``light_kinds``: whether the light is kept by kind as well (``film.layers.KIND_LAYERS``),
@@ -89,6 +91,7 @@ class Settings:
     alpha: float = 2.0 / 3.0
     pixel_filter: PixelFilter = "BLACKMAN_HARRIS"
     filter_width: float = 1.5
+    adaptive: bool = True
     transparent: bool = False
     exposure: float = 1.0
     region: tuple[int, int, int, int] | None = None

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .baking.bake import misfits
 from .baking.maps_file import BakeError, MapsFile
 from .camera_pass.caustics import crowded_radius
-from .camera_pass.chunk import Region
+from .camera_pass.pixels import Region
 from .geometry.intersector import Hits
 from .geometry.vector import Vector
 from .jit import Row, Table, kernel

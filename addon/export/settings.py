@@ -18,6 +18,7 @@ FIELDS = (
     "seconds",
     "error_goal",
     "seed",
+    "adaptive",
     "camera_depth",
     "photon_depth",
     "min_throughput",

@@ -139,6 +139,13 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
         max=1_000_000,
         soft_max=65_536,
     )
+    adaptive: BoolProperty(  # type: ignore[valid-type]
+        name="Adaptive Sampling",
+        description="Passes have more camera paths where the picture is noisy, up to about "
+        "four a pixel, and fewer elsewhere, one every other pass at least; as many in all as "
+        "one a pixel",
+        default=_DEFAULT.adaptive,
+    )
     split_depth: IntProperty(  # type: ignore[valid-type]
         name="Split at Glass",
         description="So many first events of a camera path are followed both ways, reflected "

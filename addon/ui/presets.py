@@ -19,6 +19,7 @@ SETTINGS = (
     "passes",
     "seconds",
     "error_goal",
+    "adaptive",
     "photons_automatic",
     "photons_caustic",
     "photons_global",

@@ -29,6 +29,7 @@ class PHOTONMAP_RENDER_PT_sampling(RenderPanel, bpy.types.Panel):
         column.prop(settings, "passes")
         column.prop(settings, "seconds")
         column.prop(settings, "error_goal")
+        column.prop(settings, "adaptive")
         column.separator()
         draw_denoise(column, settings)
         column.separator()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,6 @@ from ..photons.shadow import ShadowMap
 from ..photons.sight import SIGHT
 from ..prepared import Prepared
 from ..room import ROOM
-from ..scene.camera_data import CameraData
 from ..settings import Settings
 from .caustics import gather_caustics
 from .density import DensityMaps, count_photons
@@ -30,26 +29,10 @@ from .near import NEAR, add_as_indirect, begin_again, ends_near
 from .next_event import light_directly
 from .patches import own_patches
 from .paths import start_paths, step_paths
+from .pixels import Pixels, Region
 from .rays import Lit, Rays
 from .records import VERTEX
 from .tree import split, thin_out
-
-
-class Region(NamedTuple):
-    """The pixels that are rendered: corner, size, and the width of the whole image."""
-
-    x0: int
-    y0: int
-    width: int
-    height: int
-    image_width: int
-
-    @staticmethod
-    def of(camera: CameraData, settings: Settings) -> Region:
-        """The border of ``settings`` cut to the image of ``camera``, or all of it."""
-        x0, y0, x1, y1 = settings.region or (0, 0, camera.width, camera.height)
-        x1, y1 = min(x1, camera.width), min(y1, camera.height)
-        return Region(x0, y0, max(0, x1 - x0), max(0, y1 - y0), camera.width)
 
 
 class PhotonMaps(NamedTuple):
@@ -80,17 +63,8 @@ class PhotonMaps(NamedTuple):
     focus_radii: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True)
-class Pixels:
-    """Which pixels of a region a chunk takes: ``count`` from ``start`` by ``stride``."""
-
-    start: int
-    count: int
-    stride: int = 1
-
-
 class Chunk(NamedTuple):
-    """What a chunk brings: its pixels, one ``SAMPLE`` row each, rays traced.
+    """What a chunk brings: its paths, one ``SAMPLE`` row each, rays traced.
 
     ``gathered``: those of the rays on gather paths. ``first_hits``: one ``FIRST_HIT`` row
     each, ``kinds`` one (6, 3) of ``KIND_LAYERS``, ``aovs`` one (A, 4), None when no layer asks
@@ -110,26 +84,25 @@ def trace_chunk(
     prepared: Prepared,
     settings: Settings,
     region: Region,
-    i: int,
     pixels: Pixels,
     maps: PhotonMaps,
 ) -> Chunk:
-    """Render ``pixels`` of ``region`` in pass ``i`` with the photons of ``maps``."""
-    samples = np.zeros(pixels.count, SAMPLE)
-    rays = Rays(prepared, pixels.count)
+    """Follow the paths of ``pixels`` of ``region`` with the photons of ``maps``."""
+    samples = np.zeros(pixels.paths, SAMPLE)
+    rays = Rays(prepared, pixels.paths)
     kinds = KindLight(samples) if settings.light_kinds else None
-    lit = trace_camera(prepared, settings, region, i, pixels, rays, samples, kinds)
+    lit = trace_camera(prepared, settings, region, pixels, rays, samples, kinds)
     if kinds:
         samples = kinds.samples
-    rays.traced += light_directly(prepared, settings, i, lit, maps.shadows, samples, kinds)
+    rays.traced += light_directly(prepared, settings, lit, maps.shadows, samples, kinds)
     ends = wide_only(lit)
     gathered = 0
     if len(ends.vertices):
-        gathered = _gather(prepared, settings, i, ends, maps, samples, kinds)
+        gathered = _gather(prepared, settings, ends, maps, samples, kinds)
         rays.traced += gathered
     first_hits = aovs = None
     if prepared.first_hits is not None:
-        first_hits, aovs, traced = trace_first_hits(prepared, settings, region, i, pixels)
+        first_hits, aovs, traced = trace_first_hits(prepared, settings, region, pixels)
         rays.traced += traced
         if maps.counted is not None:
             slots = ends.vertices["slot"]
@@ -144,7 +117,6 @@ def trace_chunk(
 def _gather(
     prepared: Prepared,
     settings: Settings,
-    i: int,
     ends: Lit,
     maps: PhotonMaps,
     samples: NDArray[np.void],
@@ -170,14 +142,14 @@ def _gather(
         if kinds:
             kinds.add_photons(ends, *asked, samples["indirect"])
     rays = Rays(prepared, len(ends.vertices) * settings.rays_each)
-    count = _start_gather(prepared, settings, i, ends, rays)
+    count = _start_gather(prepared, settings, ends, rays)
     rows = samples
     if kinds:
         # Each ray adds to a row of its own.
         rows = np.zeros(count, SAMPLE)
         slots, directions = (rays.paths[name][:count].copy() for name in ("slot", "direction"))
         rays.paths["slot"][:count] = np.arange(count)
-    far = _follow(prepared, settings, i, rays, count, True, rows)
+    far = _follow(prepared, settings, rays, count, True, rows)
     traced = rays.traced
     if maps.global_ is not None:
         near = ends_near(far.vertices, NEAR * maps.global_radius, level)
@@ -190,7 +162,7 @@ def _gather(
             # The few that are near are copied; the room is needed anew.
             close = Lit(far.vertices[near], far.lobes)
             sent = sent or settings.rays_each
-            traced += _gather_near(prepared, settings, i, close, maps, rows, level, sent)
+            traced += _gather_near(prepared, settings, close, maps, rows, level, sent)
     if kinds:
         at = np.zeros(len(samples), np.int32)
         at[ends.vertices["slot"]] = np.arange(len(ends.vertices))
@@ -203,7 +175,6 @@ def _gather(
 def _gather_near(
     prepared: Prepared,
     settings: Settings,
-    i: int,
     near: Lit,
     maps: PhotonMaps,
     rows: NDArray[np.void],
@@ -215,8 +186,8 @@ def _gather_near(
     begin_again(near.vertices, sent)
     light = np.zeros(len(slots), SAMPLE)
     one = settings if settings.gather_rays == 1 else replace(settings, gather_rays=1)
-    rays = light_directly(prepared, one, i, near, maps.shadows, light, None)
-    rays += _gather(prepared, one, i, near, maps, light, None, level + 1, sent)
+    rays = light_directly(prepared, one, near, maps.shadows, light, None)
+    rays += _gather(prepared, one, near, maps, light, None, level + 1, sent)
     add_as_indirect(light, slots, rows)
     return rays
 
@@ -228,27 +199,27 @@ def wide_only(lit: Lit) -> Lit:
 
 
 def trace_first_hits(
-    prepared: Prepared, settings: Settings, region: Region, i: int, pixels: Pixels
+    prepared: Prepared, settings: Settings, region: Region, pixels: Pixels
 ) -> tuple[NDArray[np.void], NDArray[np.float64], int]:
-    """What the camera paths of pass ``i`` meet at once: (``FIRST_HIT`` rows, AOVs, rays)."""
-    rows = np.zeros(pixels.count, FIRST_HIT)
-    aovs = np.zeros((pixels.count, len(settings.aovs), 4))
+    """What the paths of ``pixels`` meet at once: (``FIRST_HIT`` rows, AOVs, rays)."""
+    rows = np.zeros(pixels.paths, FIRST_HIT)
+    aovs = np.zeros((pixels.paths, len(settings.aovs), 4))
     if settings.first_hit == (DENSITY_LAYER,) and not settings.aovs:
         return rows, aovs, 0
-    rays = Rays(prepared, pixels.count)
+    rays = Rays(prepared, pixels.paths)
     start_paths(
         prepared.camera, prepared.camera_media, region.x0, region.y0, region.width,
-        region.image_width, settings.seed, i, pixels.start, pixels.stride, pixels.count,
-        rays.origins, rays.directions, rays.paths,
+        region.image_width, settings.seed, pixels.ids, pixels.numbers, rays.origins,
+        rays.directions, rays.paths,
     )  # fmt: skip
     deep = any(layer in END_LAYERS for layer in settings.first_hit)
-    count = pixels.count
+    count = pixels.paths
     while count:
         rays.traced += count
         hits = prepared.intersector.nearest(rays.origins[:count], rays.directions[:count])
         count = step_first_hits(
             prepared.mesh, prepared.materials, rays.lobes, prepared.shading, prepared.lights,
-            prepared.camera, prepared.first_hits, i, settings.transparent, deep,
+            prepared.camera, prepared.first_hits, settings.transparent, deep,
             settings.camera_depth, settings.min_throughput, len(prepared.lobes), hits.face,
             hits.u, hits.v, rays.hits, count, rays.origins, rays.directions, rays.paths, rows,
             aovs,
@@ -261,7 +232,6 @@ def trace_camera(
     prepared: Prepared,
     settings: Settings,
     region: Region,
-    i: int,
     pixels: Pixels,
     rays: Rays,
     samples: NDArray[np.void],
@@ -270,27 +240,27 @@ def trace_camera(
     """Camera chains of ``pixels``: emission and first hits into ``samples``, their ends."""
     start_paths(
         prepared.camera, prepared.camera_media, region.x0, region.y0, region.width,
-        region.image_width, settings.seed, i, pixels.start, pixels.stride, pixels.count,
-        rays.origins, rays.directions, rays.paths,
+        region.image_width, settings.seed, pixels.ids, pixels.numbers, rays.origins,
+        rays.directions, rays.paths,
     )  # fmt: skip
-    lit = _follow(prepared, settings, i, rays, pixels.count, False, samples, kinds)
+    lit = _follow(prepared, settings, rays, pixels.paths, False, samples, kinds)
     if kinds:
         kinds.end_camera()
     return lit
 
 
 def trace_gather(
-    prepared: Prepared, settings: Settings, i: int, lit: Lit, samples: NDArray[np.void]
+    prepared: Prepared, settings: Settings, lit: Lit, samples: NDArray[np.void]
 ) -> tuple[Lit, int]:
     """Final-gather rays from wide vertices: their half of direct light; (ends, rays)."""
     rays = Rays(prepared, len(lit.vertices) * settings.rays_each)
-    count = _start_gather(prepared, settings, i, lit, rays)
-    return _follow(prepared, settings, i, rays, count, True, samples), rays.traced
+    count = _start_gather(prepared, settings, lit, rays)
+    return _follow(prepared, settings, rays, count, True, samples), rays.traced
 
 
-def _start_gather(prepared: Prepared, settings: Settings, i: int, lit: Lit, rays: Rays) -> int:
+def _start_gather(prepared: Prepared, settings: Settings, lit: Lit, rays: Rays) -> int:
     count: int = start_gather(
-        i, settings.rays_each, prepared.materials, lit.lobes, lit.vertices,
+        settings.rays_each, prepared.materials, lit.lobes, lit.vertices,
         len(lit.vertices), rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
     return count
@@ -299,7 +269,6 @@ def _start_gather(prepared: Prepared, settings: Settings, i: int, lit: Lit, rays
 def _follow(
     prepared: Prepared,
     settings: Settings,
-    i: int,
     rays: Rays,
     count: int,
     gather: bool,
@@ -326,7 +295,7 @@ def _follow(
             kinds.begin(rays.paths[:count])
         count, lit, used = step_paths(
             prepared.mesh, prepared.materials, rays.lobes, prepared.shading, prepared.lights,
-            prepared.camera, i, gather, settings.transparent, settings.camera_depth,
+            prepared.camera, gather, settings.transparent, settings.camera_depth,
             settings.min_throughput, own, hits.face, hits.u, hits.v, rays.hits, count,
             rays.origins, rays.directions, rays.paths, vertices, samples,
         )  # fmt: skip

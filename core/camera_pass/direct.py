@@ -27,7 +27,6 @@ def _transmittance(materials: Table, vertex: Row, behind: bool, distance: float)
 
 @kernel
 def sample_direct(
-    i: int,
     rays_each: int,
     mesh: Row,
     materials: Table,
@@ -57,11 +56,11 @@ def sample_direct(
         p = vector(vertex.p)
         ns = vector(vertex.ns)
         ng = vector(vertex.ng)
-        u_light, u_face = camera_2d(i, vertex.pixel_key, LIGHT)
+        u_light, u_face = camera_2d(vertex.number, vertex.pixel_key, LIGHT)
         entry, prob = select_light(lights, p, u_light)
         if entry < 0 or prob <= 0.0:
             continue
-        u, v = camera_2d(i, vertex.pixel_key, LIGHT_POINT)
+        u, v = camera_2d(vertex.number, vertex.pixel_key, LIGHT_POINT)
         wi, distance, light, pdf_w, delta = sample_li(
             lights, mesh, materials, shading, entry, p, ns, u_face, u, v
         )

@@ -184,7 +184,6 @@ def _continue_chain(
     hit: Row,
     shading: Row,
     camera: Row,
-    i: int,
     most_depth: int,
     min_throughput: float,
 ) -> bool:
@@ -192,7 +191,7 @@ def _continue_chain(
     wide, narrow = lobe_weights(path, lobes)
     path.depth += 1
     base = CHAIN + CHAIN_STEP * path.steps
-    u_stop, u_event = choices(path, False, i, base)
+    u_stop, u_event = choices(path, False, base)
     part = WIDE if u_stop * (wide + narrow) >= narrow else NARROW
     if part == WIDE or path.depth >= most_depth or path.steps >= MOST_STEPS:
         _end(row, path, hit, materials, lobes, shading, camera)
@@ -237,7 +236,6 @@ def step_first_hits(
     lights: Row,
     camera: Row,
     tables: Row,
-    i: int,
     transparent: bool,
     deep: bool,
     most_depth: int,
@@ -298,7 +296,7 @@ def step_first_hits(
             held
             or not deep
             or not _continue_chain(
-                materials, lobes, path, row, hit, shading, camera, i, most_depth, min_throughput
+                materials, lobes, path, row, hit, shading, camera, most_depth, min_throughput
             )
         ):
             continue

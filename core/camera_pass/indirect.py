@@ -25,7 +25,6 @@ _LARGE = 4 << 20
 
 @kernel
 def start_gather(
-    i: int,
     rays_each: int,
     materials: Table,
     lobes: Table,
@@ -48,7 +47,7 @@ def start_gather(
         if vertex.portion < 1.0:
             sent = int(wanted + uniform(vertex.key, GATHER_NUMBER))
         for j in range(sent):
-            u, v = camera_2d(i, vertex.pixel_key, GATHER, j, rays_each)
+            u, v = camera_2d(vertex.number, vertex.pixel_key, GATHER, j, rays_each)
             u_lobe = uniform(vertex.key, GATHER_LOBE + GATHER_STEP * j)
             wi, weight, pdf_w, transmitted, eta = scatter(
                 materials, lobes, vertex, vertex, WIDE, u_lobe, u, v
@@ -65,6 +64,7 @@ def start_gather(
             path.key = mix(vertex.key + np.uint64(j))
             path.pixel_key = vertex.pixel_key
             path.slot = vertex.slot
+            path.number = vertex.number
             path.depth = vertex.depth
             path.steps = 0
             path.forced = 0

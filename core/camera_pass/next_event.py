@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 def light_directly(
     prepared: Prepared,
     settings: Settings,
-    i: int,
     lit: Lit,
     shadows: ShadowMap | None,
     samples: NDArray[np.void],
@@ -40,7 +39,7 @@ def light_directly(
     )
     radiance = ROOM.take("radiance", count, "f8", 3)
     asked: int = sample_direct(
-        i, settings.rays_each, prepared.mesh, prepared.materials, lit.lobes,
+        settings.rays_each, prepared.mesh, prepared.materials, lit.lobes,
         prepared.shading, prepared.lights, lit.vertices, count, origins, directions,
         lengths, slots, radiance, asking, entries,
     )  # fmt: skip

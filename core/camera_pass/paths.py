@@ -46,21 +46,20 @@ def start_paths(
     width: int,
     image_width: int,
     seed: int,
-    i: int,
-    start: int,
-    stride: int,
-    count: int,
+    ids: Table,
+    numbers: Table,
     origins: Table,
     directions: Table,
     paths: Table,
 ) -> None:
-    """Camera rays of pixels ``start``, ``start + stride`` ... of a region in pass ``i``.
+    """Camera rays of pixels ``ids`` (n,) of a region, the paths ``numbers`` (n,) of them.
 
     The region begins at pixel (x0, y0) and is ``width`` wide. A pixel's random numbers
     hang on its place in the whole image, so a border render shows the same picture.
     """
-    for k in range(count):
-        pixel = start + k * stride
+    for k in range(len(ids)):
+        pixel = ids[k]
+        i = numbers[k]
         x = x0 + pixel % width
         y = y0 + pixel // width
         key = stream(seed, CAMERA, i, y * image_width + x)
@@ -74,6 +73,7 @@ def start_paths(
         path.key = key
         path.pixel_key = pixel_key
         path.slot = k
+        path.number = i
         path.depth = 0
         path.steps = 0
         path.forced = 0
@@ -154,6 +154,7 @@ def _light_here(vertex: Row, path: Row, hit: Row, part: int, share: float) -> No
     """The path is lit here, by the lobes of ``part``, chosen with probability 1 / share."""
     vertex.key = path.key
     vertex.pixel_key = path.pixel_key
+    vertex.number = path.number
     if part == NARROW:
         # Vertices of one path shall not share their numbers; over the passes each of them
         # keeps its stratification.
@@ -178,14 +179,14 @@ def _light_here(vertex: Row, path: Row, hit: Row, part: int, share: float) -> No
 
 
 @kernel
-def choices(path: Row, gather: bool, i: int, base: int) -> tuple[float, float]:
+def choices(path: Row, gather: bool, base: int) -> tuple[float, float]:
     """Numbers for stopping and for the event: stratified over passes on camera chains.
 
     A branch of a split path does what it is there for.
     """
     if gather:
         return uniform(path.key, base), uniform(path.key, base + STEP_EVENT)
-    u_stop, u_event = camera_2d(i, path.pixel_key, base)
+    u_stop, u_event = camera_2d(path.number, path.pixel_key, base)
     if path.forced != 0:
         u_event = 0.0 if path.forced == REFLECTED else _REFRACTING
         path.forced = 0
@@ -266,7 +267,6 @@ def step_paths(
     shading: Row,
     lights: Row,
     camera: Row,
-    i: int,
     gather: bool,
     transparent: bool,
     most_depth: int,
@@ -317,7 +317,7 @@ def step_paths(
         if wide + narrow <= 0.0:
             continue
         path.depth += 1
-        u_stop, u_event = choices(path, gather, i, base) if narrow > 0.0 else (0.0, 0.0)
+        u_stop, u_event = choices(path, gather, base) if narrow > 0.0 else (0.0, 0.0)
         part, own = (WIDE, wide) if u_stop * (wide + narrow) >= narrow else (NARROW, narrow)
         share = (wide + narrow) / own
         if part == WIDE or (not gather and has_rough_narrow(path, lobes)):

@@ -11,6 +11,7 @@ REFLECTED, REFRACTED = 1, -1
 _MEDIA = [("media_count", "i4"), ("media", "i4", STACK)]
 
 #: A camera path on a chain of narrow scattering. ``slot``: its row among the chunk's samples;
+#: ``number``: which of its pixel's paths it is, see ``Pixels``;
 #: ``event``: ``Visibility`` bit of its last event; ``length``: way from the lens [m],
 #: ``begun`` where the chain began; ``depth``: events so far; ``steps``: surfaces so far, those
 #: it went straight through included; ``reach``: how far a camera ray sees [m]. ``origin``,
@@ -24,6 +25,7 @@ PATH = np.dtype(
         ("key", "u8"),
         ("pixel_key", "u8"),
         ("slot", "i4"),
+        ("number", "i4"),
         ("depth", "i4"),
         ("steps", "i4"),
         ("event", "i4"),
@@ -48,12 +50,13 @@ PATH = np.dtype(
 #: A vertex that is lit. ``part``: WIDE at the end of a chain, where photons are gathered
 #: too, NARROW where the chain goes on. ``row``: material, ``lobe_start`` and ``lobe_count``:
 #: its lobes there; ``way`` from where its chain began [m]; ``offset`` and ``entering``: see
-#: ``interact``; ``portion``: its path's.
+#: ``interact``; ``number`` and ``portion``: its path's.
 VERTEX = np.dtype(
     [
         ("key", "u8"),
         ("pixel_key", "u8"),
         ("slot", "i4"),
+        ("number", "i4"),
         ("depth", "i4"),
         ("part", "i4"),
         ("row", "i4"),

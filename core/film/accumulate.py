@@ -17,35 +17,75 @@ def add_samples(
     count: Table,
     part_sum: Table,
     part_count: Table,
+    part_caustics: Table,
     shrink: Table,
+    ids: Table,
     samples: Table,
     light: int,
+    caustics: int,
 ) -> int:
-    """Add one sample to each pixel; the number of samples that were not finite.
+    """Add samples to the pixels ``ids`` (n,); the number of samples that were not finite.
 
-    All rows belong to the same pixels: ``samples`` (n, C + 3), ``total`` (n, C),
-    ``count`` and ``part_count`` (n,), ``part_sum`` (n, 3) the sum of the first ``light``
-    columns by colour, ``shrink`` (n, 3) that of the last three. A sample with a NaN or
-    infinity counts as black.
+    ``samples`` (n, C + 3); of all pixels: ``total`` (m, C), ``count`` and ``part_count``
+    (m,), ``part_sum`` (m, 3) the sum of the first ``light`` columns by colour,
+    ``part_caustics`` (m,) that of the three from ``caustics`` on, ``shrink`` (m, 3) that of
+    the last three. A sample with a NaN or infinity counts as black.
     """
     columns = total.shape[1]
     bad = 0
-    for k in range(len(samples)):
+    for row in range(len(samples)):
+        k = ids[row]
         count[k] += 1
         part_count[k] += 1
         finite = True
         for c in range(samples.shape[1]):
-            finite = finite and math.isfinite(samples[k, c])
+            finite = finite and math.isfinite(samples[row, c])
         if not finite:
             bad += 1
             continue
         for c in range(columns):
-            total[k, c] += samples[k, c]
+            total[k, c] += samples[row, c]
         for c in range(3):
-            shrink[k, c] += samples[k, columns + c]
+            shrink[k, c] += samples[row, columns + c]
         for c in range(light):
-            part_sum[k, c % 3] += samples[k, c]
+            part_sum[k, c % 3] += samples[row, c]
+        for c in range(caustics, caustics + 3):
+            part_caustics[k] += samples[row, c]
     return bad
+
+
+@kernel
+def scatter_of_parts(
+    part_sum: Table, part_caustics: Table, part_count: Table, share: float, out: Table
+) -> None:
+    """Variance of the light of one path of each pixel, (n,), from its replicates' scatter.
+
+    ``part_sum`` (R, n, 3) and ``part_caustics`` (R, n), which is a part of it: sums over
+    ``part_count`` (R, n) paths; of the variance of caustics only a ``share`` counts. 0 with
+    one replicate.
+    """
+    for k in range(len(out)):
+        total = 0
+        used = 0
+        mean = 0.0
+        caustic = 0.0
+        for r in range(len(part_count)):
+            total += part_count[r, k]
+            used += 1 if part_count[r, k] > 0 else 0
+            caustic += part_caustics[r, k]
+            mean += part_sum[r, k, 0] + part_sum[r, k, 1] + part_sum[r, k, 2]
+        mean = (mean - caustic) / max(total, 1)
+        caustic /= max(total, 1)
+        scatter = 0.0
+        for r in range(len(part_count)):
+            n = part_count[r, k]
+            if n > 0:
+                own = part_caustics[r, k]
+                other = part_sum[r, k, 0] + part_sum[r, k, 1] + part_sum[r, k, 2] - own
+                other = other / n - mean
+                own = own / n - caustic
+                scatter += n * (other * other + share * own * own)
+        out[k] = scatter / (used - 1) if used > 1 else 0.0
 
 
 @kernel

@@ -15,6 +15,7 @@ from .accumulate import (
     bias_square,
     crossed_means,
     relative_mean,
+    scatter_of_parts,
     variance_of_mean,
 )
 from .first_hits import FirstHits
@@ -27,6 +28,7 @@ from .layers import (
     aov_layer,
     group_layer,
 )
+from .repeated import add_each, each_once
 from .stated_error import UNKNOWN, StatedError
 
 #: Depth of a pixel that sees nothing [m].
@@ -76,7 +78,7 @@ class Film:
     """The picture so far, ``height`` rows from the bottom, ``width`` pixels each.
 
     ``LAYERS`` are always there, ``first_hits`` hold those that were asked for beside them.
-    Memory: 21 float64 sums, 24 for the error and 5 counters: 380 bytes a pixel, 144 for the
+    Memory: 21 float64 sums, 28 for the error and 5 counters: 412 bytes a pixel, 144 for the
     light by kind if it is kept, 48 for each group of lights, 32 for each AOV.
     """
 
@@ -107,11 +109,14 @@ class Film:
         self.height = height
         self.exposure = exposure
         self.statistics = RenderStatistics()
+        #: Whole passes in the film.
+        self.passes = 0
         count = width * height
         self._sum = np.zeros((count, SUMMED))
         self._count = np.zeros(count, np.int32)
         self._part_sum = np.zeros((REPLICATES, count, 3))
         self._part_count = np.zeros((REPLICATES, count), np.int32)
+        self._part_caustics = np.zeros((REPLICATES, count))
         self._shrink = np.zeros((REPLICATES, count, 3))
         self.first_hits = FirstHits(count, first_hit, matte_ranks) if first_hit else None
         self._kinds = np.zeros((count, len(KIND_LAYERS), 3)) if light_kinds else None
@@ -122,44 +127,39 @@ class Film:
     @property
     def nbytes(self) -> int:
         """Memory of the sums [bytes]."""
-        parts = (self._sum, self._count, self._part_sum, self._part_count, self._shrink)
-        own = sum(part.nbytes for part in parts)
+        own = self._sum.nbytes + self._count.nbytes + self._shrink.nbytes
+        own += self._part_sum.nbytes + self._part_count.nbytes + self._part_caustics.nbytes
         own += self._kinds.nbytes if self._kinds is not None else 0
         own += sum(p.nbytes for p in (*self._groups.values(), *self._aovs.values()))
         return own + (self.first_hits.nbytes if self.first_hits else 0)
 
-    @property
-    def passes(self) -> int:
-        """Whole passes in the film."""
-        return int(self._count.min())
-
-    def add(self, i: int, start: int, samples: NDArray[np.void]) -> None:
-        """Add pass ``i``'s ``samples`` (n,) ``SAMPLE`` to the pixels from ``start`` on.
+    def add(self, i: int, ids: NDArray[np.int32], samples: NDArray[np.void]) -> None:
+        """Add pass ``i``'s ``samples`` (n,) ``SAMPLE`` to the pixels ``ids`` (n,).
 
         A sample with a NaN or infinity is counted and replaced by black: one bad path may
         not spoil a pixel for good.
         """
-        part = slice(start, start + len(samples))
         replicate = i % REPLICATES
         self.statistics.non_finite += add_samples(
-            self._sum[part],
-            self._count[part],
-            self._part_sum[replicate, part],
-            self._part_count[replicate, part],
-            self._shrink[replicate, part],
+            self._sum, self._count, self._part_sum[replicate], self._part_count[replicate],
+            self._part_caustics[replicate], self._shrink[replicate], ids,
             samples.view(np.float64).reshape(len(samples), COLUMNS),
-            3 * len(LIGHT_LAYERS),
-        )
+            3 * len(LIGHT_LAYERS), 3 * LIGHT_LAYERS.index("caustics"),
+        )  # fmt: skip
+
+    def end_pass(self) -> None:
+        """All of a pass has been added."""
+        self.passes += 1
 
     def add_asked(
         self,
         i: int,
-        start: int,
+        ids: NDArray[np.int32],
         first_hits: NDArray[np.void] | None,
         kinds: NDArray[np.float64] | None,
         aovs: NDArray[np.float64] | None = None,
     ) -> None:
-        """Add what pass ``i`` has beside the light, to the pixels from ``start`` on.
+        """Add what pass ``i`` has beside the light, to the pixels ``ids`` (n,), ascending.
 
         ``first_hits`` (n,) ``FIRST_HIT``, ``kinds`` (n, 6, 3) finite light by
         ``KIND_LAYERS``, ``aovs`` (n, A, 4); None for what was not asked for.
@@ -168,17 +168,18 @@ class Film:
             for k, plane in enumerate(self._aovs.values()):
                 values = aovs[:, k]
                 finite = np.isfinite(values).all(axis=1, keepdims=True)
-                plane[start : start + len(values)] += np.where(finite, values, 0.0)
+                add_each(plane, ids, np.where(finite, values, 0.0))
         if self.first_hits is not None and first_hits is not None:
-            self.first_hits.add(i, start, first_hits)
+            for rows, pixels in each_once(ids):
+                self.first_hits.add(i, pixels, first_hits[rows])
         if self._kinds is not None and kinds is not None:
-            self._kinds[start : start + len(kinds)] += kinds
+            add_each(self._kinds, ids, kinds)
 
-    def add_groups(self, start: int, groups: NDArray[np.float64]) -> None:
+    def add_groups(self, ids: NDArray[np.int32], groups: NDArray[np.float64]) -> None:
         """Add finite light (n, G, 2, 3) of each group, in all and as caustics."""
         parts = groups.reshape(len(groups), len(self._groups), 3).swapaxes(0, 1)
         for plane, part in zip(self._groups.values(), parts, strict=True):
-            plane[start : start + len(part)] += part
+            add_each(plane, ids, part)
 
     def merge(self, other: Film) -> None:
         """Add the passes of ``other``, a film of the same size and other pass numbers."""
@@ -191,7 +192,9 @@ class Film:
         self._count += other._count
         self._part_sum += other._part_sum
         self._part_count += other._part_count
+        self._part_caustics += other._part_caustics
         self._shrink += other._shrink
+        self.passes += other.passes
         if self.first_hits is not None and other.first_hits is not None:
             self.first_hits.merge(other.first_hits)
         if self._kinds is not None and other._kinds is not None:
@@ -289,6 +292,19 @@ class Film:
         say too much; the replicates are independent, so theirs is honest.
         """
         return self._variance_and_mean()[0].reshape(self.height, self.width, 3)
+
+    def scatter_of_paths(
+        self, caustics: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(Variance of one path's light, mean light), (n,) each, over channels' sum.
+
+        Of the variance of caustics only the part ``caustics``; the rest is the photons'.
+        """
+        variance = np.zeros(len(self._count))
+        parts = self._part_sum, self._part_caustics, self._part_count
+        scatter_of_parts(*parts, caustics, variance)
+        light = self._part_sum.sum(axis=(0, 2)) / np.maximum(self._count, 1)
+        return variance, light
 
     def _variance_and_mean(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         variance = np.zeros((len(self._count), 3))

@@ -68,12 +68,11 @@ class FirstHits:
         parts += [array for pair in self._mattes.values() for array in pair]
         return sum(part.nbytes for part in parts)
 
-    def add(self, i: int, start: int, rows: NDArray[np.void]) -> None:
-        """Add pass ``i``'s ``rows`` (n,) ``FIRST_HIT`` to the pixels from ``start`` on.
+    def add(self, i: int, part: NDArray[np.int32], rows: NDArray[np.void]) -> None:
+        """Add pass ``i``'s ``rows`` (n,) ``FIRST_HIT`` to as many pixels ``part`` (n,).
 
         Like the film, a path with a NaN or infinity counts as one that saw nothing.
         """
-        part = slice(start, start + len(rows))
         numbers = rows.view(np.float64).reshape(len(rows), -1)
         bad = ~np.isfinite(numbers).all(axis=1)
         if bad.any():
@@ -86,17 +85,19 @@ class FirstHits:
         if DENSITY_LAYER in self.layers:
             self._gathered[part] += rows["gathered"]
         first = self._single_pass[part] > i
-        self._single_pass[part][first] = i
+        self._single_pass[part[first]] = i
         known = rows["found"] > 0
         for name, single in self._single.items():
             nothing = NOTHING if name == "distance" else 0.0
             values = np.where(known[:, None], rows[name].reshape(len(rows), -1), nothing)
-            single[part][first] = values[first]
+            single[part[first]] = values[first]
         for name, (numbers32, weights) in self._mattes.items():
+            ranks = numbers32[part], weights[part]
             add_mattes(
-                numbers32[part], weights[part], rows[name].astype(np.float32),
+                *ranks, rows[name].astype(np.float32),
                 np.ascontiguousarray(rows["matte_weight"]),
             )  # fmt: skip
+            numbers32[part], weights[part] = ranks
 
     def merge(self, other: FirstHits) -> None:
         """Add other passes of the same pixels and layers."""

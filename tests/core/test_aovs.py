@@ -115,7 +115,7 @@ def test_the_light_stays_as_it_is_and_films_add_up():
     sums = []
     for k in (1.0, 3.0, np.nan):
         sums.append(Film(1, 1, aovs=("a",)))
-        sums[-1].add_asked(0, 0, None, None, np.full((1, 1, 4), k))
+        sums[-1].add_asked(0, np.zeros(1, np.int32), None, None, np.full((1, 1, 4), k))
         sums[-1]._count += 1
     for other in sums[1:]:
         sums[0].merge(other)

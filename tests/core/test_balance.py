@@ -19,7 +19,8 @@ from photon_map.core.balance import (
     noise_of,
     pixels_of,
 )
-from photon_map.core.camera_pass.chunk import Chunk, Pixels, Region
+from photon_map.core.camera_pass.chunk import Chunk
+from photon_map.core.camera_pass.pixels import Pixels, Region
 from photon_map.core.film.film import SAMPLE
 from photon_map.core.settings import AUTOMATIC
 from photon_map.tests import scenes
@@ -31,7 +32,7 @@ def chunk(**layers):
     rows = np.zeros(COUNT, SAMPLE)
     for name, value in layers.items():
         rows[name] = np.asarray(value)[:, None]
-    return Chunk(Pixels(0, COUNT), rows, COUNT, COUNT // 2)
+    return Chunk(Pixels.spread(0, COUNT), rows, COUNT, COUNT // 2)
 
 
 def random_look(camera=0.0, gather=0.0, photons=0.0, seed=1):
@@ -93,10 +94,10 @@ def test_numbers_by_hand_stay():
 
 @pytest.mark.parametrize("width", [1, 7, 64, 128, 1000])
 def test_pixels_are_spread_over_all_columns(width):
-    pixels = pixels_of(Region(0, 0, width, 300, width))
-    chosen = pixels.start + pixels.stride * np.arange(pixels.count)
-    assert chosen[-1] < 300 * width and pixels.count <= 1024
-    assert len(np.unique(chosen % width)) == min(width, pixels.count)
+    pixels = pixels_of(Region(0, 0, width, 300, width), 0)
+    chosen = pixels.ids
+    assert chosen[-1] < 300 * width and pixels.paths <= 1024
+    assert len(np.unique(chosen % width)) == min(width, pixels.paths)
 
 
 def decided(scene, settings, monkeypatch):

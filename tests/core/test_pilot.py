@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from photon_map.core import pilot
-from photon_map.core.camera_pass.chunk import Region
+from photon_map.core.camera_pass.pixels import Region
 from photon_map.core.photon_pass import TracedPhotons, photon_batches, pilot_radii
 from photon_map.core.plan import Plan
 from photon_map.core.prepared import prepare

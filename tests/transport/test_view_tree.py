@@ -10,7 +10,8 @@ import pytest
 from photon_map.core import Settings, render
 from photon_map.core.bsdf.dispatch import smooth_glass
 from photon_map.core.camera_pass import chunk
-from photon_map.core.camera_pass.chunk import Pixels, Region, trace_chunk
+from photon_map.core.camera_pass.chunk import trace_chunk
+from photon_map.core.camera_pass.pixels import Pixels, Region
 from photon_map.core.film.layers import KIND_COLORS
 from photon_map.core.photon_pass import photon_maps
 from photon_map.core.pilot import no_radii
@@ -110,13 +111,16 @@ def test_costs_that_the_balance_counts_are_those_of_more_gather_rays():
     scene = cornell_glass(48)
     settings = Settings(photons_global=2000, photons_caustic=2000)
     prepared = prepare(scene, settings)
-    region, pixels = Region(0, 0, 48, 48, 48), Pixels(0, 48 * 48)
+    region, pixels = Region(0, 0, 48, 48, 48), 48 * 48
     maps = photon_maps(settings, no_radii(), 0, [], [])
     gathered, others = {}, {}
     for depth in (0, 4):
         for rays in (1, 4):
             chosen = replace(settings, split_depth=depth, gather_rays=rays)
-            chunks = [trace_chunk(prepared, chosen, region, i, pixels, maps) for i in range(8)]
+            chunks = [
+                trace_chunk(prepared, chosen, region, Pixels.spread(i, pixels), maps)
+                for i in range(8)
+            ]
             gathered[depth, rays] = sum(chunk.gathered for chunk in chunks)
             others[depth, rays] = sum(chunk.rays - chunk.gathered for chunk in chunks)
         assert gathered[depth, 4] == pytest.approx(4 * gathered[depth, 1], rel=0.02)

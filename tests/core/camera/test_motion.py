@@ -58,7 +58,7 @@ def test_vectors_of_a_body_and_of_the_camera() -> None:
     rows["found"][:3] = 1.0
     rows["place"][:3, 0] = (1, 2, 2)
     rows["place"][:, 1:] = (0.25, 0.25)
-    film.add_asked(0, 0, rows, None, None)
+    film.add_asked(0, np.arange(4, dtype=np.int32), rows, None, None)
     # 2 m of the floor are 8 pixels: what went 0.25 m to the right was 1 pixel to the left;
     # by a camera that goes to the right all goes 2 pixels to the left.
     expected = [[-1, 0, 2, 0], [0, 0, 2, 0], [0, 0, 2, 0], [0, 0, 0, 0]]

@@ -11,6 +11,11 @@ from photon_map.core.film.film import BIAS_FACTOR, SAMPLE, SHARPEN, Film
 W, H = 40, 30
 
 
+def add_pass(film, i, rows):
+    film.add(i, np.arange(W * H, dtype=np.int32), rows)
+    film.end_pass()
+
+
 def samples(rng, scale=1.0):
     s = np.zeros(W * H, SAMPLE)
     s["direct"] = scale * rng.exponential(1.0, (W * H, 3))
@@ -22,7 +27,7 @@ def samples(rng, scale=1.0):
 def filled(rng, passes, first=0):
     film = Film(W, H)
     for i in range(first, first + passes):
-        film.add(i, 0, samples(rng))
+        add_pass(film, i, samples(rng))
     return film
 
 
@@ -73,7 +78,7 @@ def test_rare_bright_samples_are_not_understated():
         for i in range(16):
             s = np.zeros(W * H, SAMPLE)
             s["caustics"] = 5.0 * (rng.random((W * H, 3)) < 0.1) + 0.5
-            film.add(i, 0, s)
+            add_pass(film, i, s)
         mean = film.resolve("combined")[..., :3].astype(float)
         true.append(((mean - 1.0) ** 2).mean() / 1.01)
         stated.append(film.relative_error() ** 2)
@@ -90,7 +95,7 @@ def biased(seed, passes, lost, noise):
         s = np.zeros(W * H, SAMPLE)
         s["caustics"] = 1.0
         s["shrink"] = lost + rng.normal(0.0, noise, (W * H, 3)) if noise else lost
-        film.add(i, 0, s)
+        add_pass(film, i, s)
     return film
 
 
@@ -131,7 +136,7 @@ def test_bias_in_dark_places_weighs_by_the_light_that_belongs_there():
         s = np.zeros(W * H, SAMPLE)
         s["caustics"] = 1.0 - 0.8 * dark
         s["shrink"] = 0.1 * dark
-        film.add(i, 0, s)
+        add_pass(film, i, s)
     light = 0.2 - SHARPEN * 0.1
     floor = 0.01 * (1.0 - 0.8 / 50) ** 2
     expected = BIAS_FACTOR * 0.1 / np.sqrt(light**2 + floor) / np.sqrt(50)
@@ -148,7 +153,7 @@ def test_a_single_bright_sample_does_not_weigh_itself_down():
         for i in range(16):
             s = np.zeros(W * H, SAMPLE)
             s["caustics"] = 8.0 * (rng.random((W * H, 1)) < 1 / 512) + 1.0 - 8.0 / 512
-            film.add(i, 0, s)
+            add_pass(film, i, s)
         mean = film.resolve("combined")[..., :3].astype(float)
         true.append(((mean - 1.0) ** 2).mean() / 1.01)
         stated.append(film.stated_error().noise ** 2)
@@ -176,7 +181,7 @@ def test_a_bad_sample_is_counted_and_left_out():
     s = samples(np.random.default_rng(0))
     s["caustics"][7, 1] = np.nan
     s["depth"][8] = np.inf
-    film.add(0, 0, s)
+    add_pass(film, 0, s)
     assert film.statistics.non_finite == 2
     assert np.isfinite(film.resolve("combined")).all()
     assert (film.resolve("combined").reshape(-1, 4)[[7, 8], :3] == 0).all()
@@ -189,7 +194,7 @@ def test_error_is_unknown_before_the_second_pass():
 def test_a_black_film_has_no_error():
     film = Film(W, H)
     for i in range(4):
-        film.add(i, 0, np.zeros(W * H, SAMPLE))
+        add_pass(film, i, np.zeros(W * H, SAMPLE))
     assert film.relative_error() == 0
 
 

@@ -6,6 +6,8 @@ import pytest
 from photon_map.core.film.first_hits import FIRST_HIT, NOTHING, FirstHits
 from photon_map.core.film.layers import FIRST_HIT_LAYERS
 
+EVERY = np.arange(2, dtype=np.int32)
+
 
 def rows_of(value: float, found: bool = True) -> np.ndarray:
     rows = np.zeros(2, FIRST_HIT)
@@ -22,7 +24,7 @@ def rows_of(value: float, found: bool = True) -> np.ndarray:
 def film_of(*passes: tuple[int, np.ndarray]) -> FirstHits:
     film = FirstHits(2, FIRST_HIT_LAYERS, 2)
     for i, rows in passes:
-        film.add(i, 0, rows)
+        film.add(i, EVERY, rows)
     return film
 
 
@@ -64,7 +66,7 @@ def test_merging_is_adding():
 
 def test_only_what_was_asked_for_is_kept():
     film = FirstHits(2, ("mist",), 2)
-    film.add(0, 0, rows_of(0.5))
+    film.add(0, EVERY, rows_of(0.5))
     assert film.resolve("mist").shape == (2, 1)
     with pytest.raises(ValueError, match="not rendered"):
         film.resolve("uv")

@@ -5,6 +5,7 @@ settings = bpy.context.scene.photon_map
 settings.passes = 1024
 settings.seconds = 0.0
 settings.error_goal = 0.02
+settings.adaptive = True
 settings.photons_automatic = False
 settings.photons_caustic = 500000
 settings.photons_global = 50000

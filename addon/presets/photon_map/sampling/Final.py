@@ -5,6 +5,7 @@ settings = bpy.context.scene.photon_map
 settings.passes = 4096
 settings.seconds = 0.0
 settings.error_goal = 0.01
+settings.adaptive = True
 settings.photons_automatic = True
 settings.photons_caustic = 100000
 settings.photons_global = 100000
