@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ..jit import Table, kernel
 
 
@@ -29,6 +31,39 @@ def fill_normals(vertices: Table, faces: Table, out: Table) -> None:
         out[f, 0] = x * scale
         out[f, 1] = y * scale
         out[f, 2] = z * scale
+
+
+@kernel
+def number_places(vertices: Table, bits: Table, slots: Table, place: Table) -> int:
+    """Number the places of ``vertices`` (V, 3) in the order of the first at each; how many.
+
+    ``bits`` (V, 3) u4 of theirs; ``slots`` (S,): a hash table of -1 with room for more than V,
+    S a power of two. NaN is a place of its own.
+    """
+    mask = np.uint64(len(slots) - 1)
+    count = 0
+    for v in range(len(vertices)):
+        mixed = np.uint64(0)
+        for k in range(3):
+            mixed = (mixed ^ np.uint64(bits[v, k])) * np.uint64(0x9E3779B97F4A7C15)
+            mixed ^= mixed >> np.uint64(29)
+        slot = np.int64(mixed & mask)
+        while slots[slot] >= 0:
+            other = slots[slot]
+            if (
+                vertices[other, 0] == vertices[v, 0]
+                and vertices[other, 1] == vertices[v, 1]
+                and vertices[other, 2] == vertices[v, 2]
+            ):
+                break
+            slot = (slot + 1) % len(slots)
+        if slots[slot] >= 0:
+            place[v] = place[slots[slot]]
+        else:
+            slots[slot] = v
+            place[v] = count
+            count += 1
+    return count
 
 
 @kernel
@@ -143,25 +178,32 @@ def mark_ends(
     vertices: Table,
     faces: Table,
     normals: Table,
+    chosen: Table,
     sides: Table,
     start: Table,
     bend: float,
     inward: Table,
+    owner: Table,
     ends: Table,
 ) -> None:
-    """Clear ``ends`` (N,), all true, of the sides that another one of the edge goes on from.
+    """Set ``ends`` (N,) of sides of ``chosen`` (F,) faces that no other one goes on from.
 
     ``sides`` (N,) in the order of their edges, edge e's from ``start[e]`` on; it goes on where
-    their inward vectors have a cosine below ``bend``. ``inward`` (M, 3) is overwritten; of
-    an edge with more sides than M those M apart are not compared.
+    their inward vectors have a cosine below ``bend``. ``inward`` (M, 3) and ``owner`` (M,) are
+    overwritten; of an edge with more sides than M those M apart are not compared.
     """
     most = len(inward)
     for e in range(len(start) - 1):
-        first, last = start[e], start[e + 1]
-        for i in range(first, last):
-            row = i % most
+        count = 0
+        for i in range(start[e], start[e + 1]):
+            if not chosen[sides[i] // 3]:
+                ends[i] = False
+                continue
+            row = count % most
+            owner[row] = i
+            ends[i] = True
             _fill_inward(vertices, faces, normals, sides[i], inward, row)
-            for j in range(max(first, i - most + 1), i):
+            for j in range(max(0, count - most + 1), count):
                 other = j % most
                 cosine = (
                     inward[row, 0] * inward[other, 0]
@@ -169,7 +211,8 @@ def mark_ends(
                     + inward[row, 2] * inward[other, 2]
                 )
                 if cosine < bend:
-                    ends[i] = ends[j] = False
+                    ends[i] = ends[owner[other]] = False
+            count += 1
 
 
 @kernel

@@ -150,16 +150,13 @@ def border_sides(surfaces: Surfaces, chosen: NDArray[np.bool_]) -> Sides:
     Side k starts at corner k. Faces of different objects, or flat ones, may have corners of
     their own at one place.
     """
-    order = surfaces.edges.sides
-    order = order[chosen[order // 3]]
-    edge = surfaces.edges.of.ravel()[order]
-    start = np.append(np.flatnonzero(np.diff(edge, prepend=-1)), len(edge))
-    ends = np.ones(len(order), np.bool_)
+    edges = surfaces.edges
+    ends = np.zeros(len(edges.sides), np.bool_)
     mark_ends(
-        surfaces.points, surfaces.mesh.faces, surfaces.normals, order, start,
-        -SMOOTH_COSINE, np.zeros((_FAN, 3)), ends,
+        surfaces.points, surfaces.mesh.faces, surfaces.normals, chosen, edges.sides,
+        edges.start, -SMOOTH_COSINE, np.zeros((_FAN, 3)), np.zeros(_FAN, np.int64), ends,
     )  # fmt: skip
-    side = np.sort(order[ends])
+    side = np.sort(edges.sides[ends])
     return side // 3, side % 3
 
 

@@ -31,6 +31,18 @@ def test_parts_are_numbered_as_connected_components(seed, faces):
     assert (part == wanted).all()
 
 
+def test_corners_at_one_place_share_its_number_in_the_order_of_the_vertices():
+    random = np.random.default_rng(5)
+    # 200 corners at 64 places, each with zeros of both signs and in any order.
+    points = random.integers(-1, 3, (200, 3)) * random.choice([-1.0, 1.0], (200, 3))
+    mesh = mesh_of(points, np.arange(198).reshape(66, 3))
+    points = points[:198].astype(np.float32) + np.float32(0)
+    _, first, number = np.unique(points, axis=0, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    assert (surfaces_of(mesh).place.ravel() == rank[number.ravel()]).all()
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_sides_stand_in_the_order_of_their_edges(seed):
     surfaces = surfaces_of(soup(seed, 9, 50))
