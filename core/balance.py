@@ -1,4 +1,4 @@
-"""The balance of a pass: how much of its time goes to gather rays and to caustic photons.
+"""The balance of a pass: how its time is shared out to light samples, gather rays, photons.
 
 What makes an image noisy differs from scene to scene: edges and soft shadows, the directions
 of the final gather, or the photons. A few pixels are looked at with independent random numbers
@@ -9,17 +9,29 @@ in rays and photons, not by a clock: so each render of a scene takes the same de
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import gcd
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera_pass.chunk import Chunk, PhotonMaps, trace_chunk
+from .camera_pass.chunk import (
+    Chunk,
+    PhotonMaps,
+    trace_camera,
+    trace_chunk,
+    trace_gather,
+    wide_only,
+)
+from .camera_pass.next_event import light_directly
 from .camera_pass.pixels import Pixels, Region
+from .camera_pass.rays import Rays
+from .film.film import SAMPLE
 from .photon_pass import Batch
+from .photons.shadow import ShadowMap
 from .photons.trace import Walk
 from .pilot import PILOT_PASS
 from .plan import Stage
@@ -28,15 +40,16 @@ from .settings import AUTOMATIC, Settings
 
 #: Passes whose random numbers are asked; no real pass reaches them.
 PASSES = (PILOT_PASS + 1, PILOT_PASS + 2)
-#: Pixels looked at, at most.
-PIXELS = 1024
+#: Pixels looked at, at most, and those whose emission is.
+PIXELS, EMISSION_PIXELS = 1024, 8192
 #: What is tried.
 GATHER_RAYS = (1, 2, 4, 8, 16)
+LIGHT_SAMPLES = (1, 2, 4)
 PHOTON_FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 #: Microseconds on one core of the machine that this was measured on; their ratios count: a
-#: ray with the surface that it meets, the photons at the end of a gather ray, a photon stored,
-#: a pixel.
-RAY, QUERY, STORED, PIXEL = 0.55, 0.75, 0.3, 0.3
+#: ray with the surface that it meets, a point of a light with its shadow ray, the photons at
+#: the end of a gather ray, a photon stored, a pixel.
+RAY, LIGHT, QUERY, STORED, PIXEL = 0.55, 0.55, 0.75, 0.3, 0.3
 #: Noise of the camera's samples falls faster than with the number of passes (Sobol points),
 #: so that less of it is left after some passes than a single one shows.
 CAMERA_LEFT = 0.6
@@ -48,11 +61,12 @@ _LAYERS = ("emission", "direct", "caustics", "indirect")
 class Noise(NamedTuple):
     """Variance of one pass relative to the squared image, by what it falls with.
 
-    ``camera``: with passes alone; ``gather``: with gather rays; ``photons``: with caustic
-    photons.
+    ``camera``: with passes alone; ``light``: with light samples; ``gather``: with gather
+    rays; ``photons``: with caustic photons.
     """
 
     camera: float
+    light: float
     gather: float
     photons: float
 
@@ -60,32 +74,51 @@ class Noise(NamedTuple):
 class Cost(NamedTuple):
     """Microseconds of a pass.
 
-    ``camera``: its camera paths and global photons; ``gather``: one gather ray for each path;
-    ``photons``: as many caustic photons as it was measured with.
+    ``camera``: its camera paths and global photons; ``light``: a light sample for each path;
+    ``gather``: one gather ray for each path; ``photons``: as many caustic photons as it was
+    measured with.
     """
 
     camera: float
+    light: float
     gather: float
     photons: float
 
 
 class Balance(NamedTuple):
-    """The decision: gather rays a place, and a factor for the caustic photons."""
+    """The decision: light samples and gather rays a place, a factor for caustic photons."""
 
+    light_samples: int
     gather_rays: int
     photon_factor: float
+
+
+class DirectLook(NamedTuple):
+    """Emission of two sets of camera paths, and direct light of one.
+
+    ``emission`` (2, m, 3): of more pixels than the others, as lamps that are seen in glass
+    are rare and bright. ``light`` (2, n, 3): by light samples, drawn twice; ``gather``
+    (2, n, 3): by gather rays, drawn twice; ``samples``: how many light samples there were.
+    """
+
+    emission: NDArray[np.float64]
+    light: NDArray[np.float64]
+    gather: NDArray[np.float64]
+    samples: int
 
 
 class Look(NamedTuple):
     """What a few pixels show, three times.
 
     ``second`` has other camera paths and other photons than ``first``, ``third`` the paths of
-    the first and the photons of the second; those come from ``walks``.
+    the first and the photons of the second; those come from ``walks``. ``direct``: that of
+    the paths of the first.
     """
 
     first: Chunk
     second: Chunk
     third: Chunk
+    direct: DirectLook
     batches: list[Batch]
     walks: list[Walk]
 
@@ -95,13 +128,13 @@ def is_free(settings: Settings) -> bool:
     return settings.gather_rays == AUTOMATIC
 
 
-def pixels_of(region: Region, i: int) -> Pixels:
+def pixels_of(region: Region, i: int, most: int = PIXELS) -> Pixels:
     """Path ``i`` of pixels spread over ``region``, in all of its columns."""
     total = region.width * region.height
-    stride = max(1, total // PIXELS)
+    stride = max(1, total // most)
     while stride > 1 and gcd(stride, region.width) > 1:
         stride -= 1
-    return Pixels.spread(i, min(PIXELS, total // stride), stride=stride)
+    return Pixels.spread(i, min(most, total // stride), stride=stride)
 
 
 def part_of_look(
@@ -109,8 +142,50 @@ def part_of_look(
 ) -> Chunk:
     """The pixels of a ``Look`` with the camera paths of ``PASSES[camera]``."""
     plain = prepared._replace(first_hits=None)
-    bare = replace(settings, gather_rays=1, light_kinds=False, first_hit=())
-    return trace_chunk(plain, bare, region, pixels_of(region, PASSES[camera]), maps)
+    return trace_chunk(plain, _bare(settings), region, pixels_of(region, PASSES[camera]), maps)
+
+
+def parts_of_look(
+    prepared: Prepared, settings: Settings, region: Region, maps: Sequence[PhotonMaps]
+) -> list[tuple[Any, ...]]:
+    """Functions and their arguments that give a ``Look``'s parts: the chunks, ``direct``."""
+    chunks = ((0, 0), (1, 1), (0, 1))
+    asked = (prepared, settings, region)
+    parts: list[tuple[Any, ...]] = [
+        (part_of_look, *asked, camera, maps[photons]) for camera, photons in chunks
+    ]
+    return [*parts, (direct_look, *asked, maps[0].shadows)]
+
+
+def _bare(settings: Settings) -> Settings:
+    """One of each, and light alone."""
+    return replace(
+        settings, gather_rays=1, light_samples=1, light_kinds=False, first_hit=(), aovs=()
+    )
+
+
+def direct_look(
+    prepared: Prepared, settings: Settings, region: Region, shadows: ShadowMap | None
+) -> DirectLook:
+    """Emission, and direct light of the camera paths of the first part of a ``Look``."""
+    bare = _bare(settings)
+    looks = [pixels_of(region, i, EMISSION_PIXELS) for i in PASSES]
+    seen = np.zeros((2, looks[0].paths), SAMPLE)
+    for k, pixels in enumerate(looks):
+        trace_camera(prepared, bare, region, pixels, Rays(prepared, pixels.paths), seen[k])
+    pixels = pixels_of(region, PASSES[0])
+    rays = Rays(prepared, pixels.paths)
+    light, gather = (np.zeros((2, pixels.paths), SAMPLE) for _ in range(2))
+    lit = trace_camera(prepared, bare, region, pixels, rays, np.zeros(pixels.paths, SAMPLE))
+    for k, i in enumerate(PASSES):
+        lit.vertices["number"] = i
+        light_directly(prepared, bare, lit, shadows, light[k], None)
+    ends = wide_only(lit)
+    for k, i in enumerate(PASSES):
+        ends.vertices["number"] = i
+        if len(ends.vertices):
+            trace_gather(prepared, bare, ends, gather[k])
+    return DirectLook(seen["emission"], light["direct"], gather["direct"], len(lit.vertices))
 
 
 def noise_of(seen: Look) -> Noise:
@@ -124,9 +199,29 @@ def noise_of(seen: Look) -> Noise:
         return float(np.nanmean(0.5 * (a - b) ** 2 * weight))
 
     photons = spread(one["caustics"], three["caustics"])
-    camera = spread(one["emission"] + one["direct"], two["emission"] + two["direct"])
+    camera = spread(one["direct"], two["direct"])
+    light, gather = spread(*seen.direct.light), spread(*seen.direct.gather)
+    camera = max(0.0, camera - light - gather)
+    others = np.mean(mean) - np.mean(one["emission"] + two["emission"] + three["emission"]) / 3
+    emission = seen.direct.emission[0], seen.direct.emission[1]
+    camera += _emission_noise(*emission, float(others), float(np.mean(mean)))
     camera += max(0.0, spread(one["caustics"], two["caustics"]) - photons)
-    return Noise(camera, spread(one["indirect"], two["indirect"]), photons)
+    gather += spread(one["indirect"], two["indirect"])
+    return Noise(camera, light, gather, photons)
+
+
+def _emission_noise(
+    one: NDArray[np.float64], two: NDArray[np.float64], others: float, mean: float
+) -> float:
+    """Noise of emission beside the mean of the ``others``.
+
+    A rare bright sample would weigh itself down if its own pixel's mean were the weight, so
+    that is the geometric mean of what either sample alone says.
+    """
+    roots = [
+        np.sqrt((others + sample) ** 2 + _DARK * mean**2 + 1e-300) for sample in (one, two)
+    ]
+    return float(np.nanmean(0.5 * (one - two) ** 2 / (roots[0] * roots[1])))
 
 
 def caustics_by_paths(seen: Look) -> float:
@@ -144,26 +239,38 @@ def cost_of(seen: Look, region: Region) -> Cost:
     pixels = region.width * region.height
     each = pixels / seen.first.pixels.paths
     gathered = seen.first.gathered * each
+    lit = seen.direct.samples * each
+    seeing = seen.first.rays * each - gathered - lit
     photons = {True: 0.0, False: 0.0}
     for batch, walk in zip(seen.batches, seen.walks, strict=True):
         photons[batch.caustic] += walk.rays * RAY + len(walk.photons) * STORED
     return Cost(
-        camera=pixels * PIXEL + (seen.first.rays * each - gathered) * RAY + photons[False],
+        camera=pixels * PIXEL + seeing * RAY + photons[False],
+        light=lit * LIGHT,
         gather=gathered * (RAY + QUERY),
         photons=photons[True],
     )
 
 
-def least_error(noise: Noise, cost: Cost, photon_factors: Sequence[float]) -> Balance:
+def least_error(
+    noise: Noise,
+    cost: Cost,
+    photon_factors: Sequence[float],
+    light_samples: Sequence[int] = LIGHT_SAMPLES,
+) -> Balance:
     """What has the least product of noise and time."""
 
     def product(balance: Balance) -> float:
-        rays, factor = balance
-        left = noise.camera * CAMERA_LEFT + noise.gather / rays + noise.photons / factor
-        return left * (cost.camera + cost.gather * rays + cost.photons * factor)
+        lights, rays, factor = balance
+        left = (noise.camera + noise.light / lights) * CAMERA_LEFT
+        left += noise.gather / rays + noise.photons / factor
+        time = cost.camera + cost.light * lights + cost.gather * rays + cost.photons * factor
+        return left * time
 
-    tried = (Balance(rays, factor) for rays in GATHER_RAYS for factor in photon_factors)
-    return min(tried, key=product)
+    return min(
+        (Balance(*n) for n in itertools.product(light_samples, GATHER_RAYS, photon_factors)),
+        key=product,
+    )
 
 
 def balanced(
@@ -183,8 +290,13 @@ def balanced(
     free = traced and settings.photons_caustic == AUTOMATIC
     free = free and any(batch.caustic for batch in seen.batches)
     factors = [f for f in PHOTON_FACTORS if f <= 1.0 or fits(f)] if free else [1.0]
-    found = least_error(noise_of(seen), cost_of(seen, region), factors)
-    settings = replace(settings, gather_rays=found.gather_rays)
+    samples: Sequence[int] = LIGHT_SAMPLES
+    if settings.light_samples != AUTOMATIC:
+        samples = (settings.light_samples,)
+    found = least_error(noise_of(seen), cost_of(seen, region), factors, samples)
+    settings = replace(
+        settings, gather_rays=found.gather_rays, light_samples=found.light_samples
+    )
     if not free:
         return settings
     usual = settings.photon_count(AUTOMATIC, region.width * region.height)
@@ -201,5 +313,8 @@ def stage_of(settings: Settings) -> Stage:
     if settings.photons_caustic > 0:
         caustic = f", {settings.photons_caustic} caustic photons"
     return Stage(
-        "balance", True, f"{settings.gather_rays} gather rays{caustic} for the least noise"
+        "balance",
+        True,
+        f"{settings.light_samples} light samples, {settings.gather_rays} gather rays{caustic} "
+        "for the least noise",
     )

@@ -18,7 +18,7 @@ from .balance import (
     balanced,
     caustics_by_paths,
     is_free,
-    part_of_look,
+    parts_of_look,
     stage_of,
 )
 from .camera_pass.chunk import PhotonMaps
@@ -201,16 +201,15 @@ class _Render:
             for future in futures:
                 found.append((yield from self._watch(future, asked)))
             maps.append(photon_maps(self.settings, radii, 0, source.batches, found))
-        parts = [
-            self._submit(
-                part_of_look, prepared, self.settings, self.region, camera, maps[photons]
-            )
-            for camera, photons in ((0, 0), (1, 1), (0, 1))
+        parts: list[Future[Any]] = [
+            self._submit(*part)
+            for part in parts_of_look(prepared, self.settings, self.region, maps)
         ]
-        chunks = []
+        shown = []
         for part in parts:
-            chunks.append((yield from self._watch(part, asked)))
-        seen = Look(chunks[0], chunks[1], chunks[2], source.batches, found)
+            shown.append((yield from self._watch(part, asked)))
+        one, two, three, direct = shown
+        seen = Look(one, two, three, direct, source.batches, found)
         self.density.caustics = caustics_by_paths(seen)
         before, stored = self.settings, stored_in(seen.batches, found)
         fits = self.memory.fits_with(stored)

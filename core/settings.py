@@ -19,6 +19,7 @@ MAPS_SUFFIX = ".pmap"
 AUTOMATIC = -1
 #: Gather rays where nothing is known of the noise.
 USUAL_GATHER_RAYS = 4
+USUAL_LIGHT_SAMPLES = 1
 
 
 class SettingsError(ValueError):
@@ -43,8 +44,8 @@ class Settings:
     Photon counts are emitted photons per pass, -1: half the
     number of pixels but 8192 at least, 0: none; ``gather_rays`` final-gather rays leave
     each place where a camera path ends, -1: as many as make the least noise in the same time,
-    and so many caustic photons if their count is -1 (``balance``); depths count surface
-    interactions.
+    and so many caustic photons and ``light_samples``, points on lights asked at a place, if
+    their counts are -1 (``balance``); depths count surface interactions.
     ``alpha``: how slowly the caustic discs shrink from pass to pass, 1 keeps them.
     Camera paths split at smooth glass at their first ``split_depth`` events, into branches
     that carry ``split_least`` at least (``camera_pass/tree``); 0: one is drawn by chance.
@@ -82,6 +83,7 @@ class Settings:
     photons_global: int = AUTOMATIC
     photons_caustic: int = AUTOMATIC
     gather_rays: int = AUTOMATIC
+    light_samples: int = AUTOMATIC
     camera_depth: int = 32
     photon_depth: int = 32
     min_throughput: float = 1e-4
@@ -116,8 +118,9 @@ class Settings:
             value = getattr(self, name)
             if not (math.isfinite(value) and low <= value <= high):
                 raise SettingsError(f"{name} is {value}, it must be from {low:g} to {high:g}")
-        if self.gather_rays == 0:
-            raise SettingsError("gather_rays is 0, it must be from 1 to 1024, or -1")
+        for name in ("gather_rays", "light_samples"):
+            if getattr(self, name) == 0:
+                raise SettingsError(f"{name} is 0, it must be from 1 to 1024, or -1")
         if self.pixel_filter not in ("BOX", "GAUSSIAN", "BLACKMAN_HARRIS"):
             raise SettingsError(
                 f"pixel_filter is {self.pixel_filter!r}, it must be BOX, GAUSSIAN or "
@@ -156,6 +159,11 @@ class Settings:
         return USUAL_GATHER_RAYS if self.gather_rays == AUTOMATIC else self.gather_rays
 
     @property
+    def lights_each(self) -> int:
+        """Points of lights asked for at a place, as long as nobody has decided it."""
+        return USUAL_LIGHT_SAMPLES if self.light_samples == AUTOMATIC else self.light_samples
+
+    @property
     def thread_count(self) -> int:
         """Threads to use: the setting, or every core this process may run on."""
         if self.threads:
@@ -174,6 +182,7 @@ _RANGES: dict[str, tuple[float, float]] = {
     "photons_global": (AUTOMATIC, 100_000_000),
     "photons_caustic": (AUTOMATIC, 100_000_000),
     "gather_rays": (AUTOMATIC, 1024),
+    "light_samples": (AUTOMATIC, 1024),
     "camera_depth": (1, 1024),
     "photon_depth": (1, 1024),
     "min_throughput": (0, 1),

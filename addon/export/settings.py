@@ -53,8 +53,8 @@ def export_settings(scene: Any, overrides: Mapping[str, Any]) -> Settings:
 
 
 def _photons(own: Any) -> dict[str, int]:
-    """Photons a pass and gather rays, by hand or automatic."""
-    names = ("photons_caustic", "photons_global", "gather_rays")
+    """Photons a pass, light samples and gather rays, by hand or automatic."""
+    names = ("photons_caustic", "photons_global", "light_samples", "gather_rays")
     return {name: AUTOMATIC if own.photons_automatic else getattr(own, name) for name in names}
 
 

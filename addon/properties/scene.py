@@ -58,7 +58,8 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
     photons_automatic: BoolProperty(  # type: ignore[valid-type]
         name="Automatic",
         description="Photons a pass by the size of the image (half as many as it has pixels, "
-        "8192 at least), caustic photons and gather rays by where the noise comes from",
+        "8192 at least), caustic photons, light samples and gather rays by where the noise "
+        "comes from",
         default=True,
     )
     photons_caustic: IntProperty(  # type: ignore[valid-type]
@@ -76,6 +77,15 @@ class PhotonMapSceneProperties(bpy.types.PropertyGroup):
         min=0,
         max=100_000_000,
         soft_max=1_000_000,
+    )
+    light_samples: IntProperty(  # type: ignore[valid-type]
+        name="Light Samples",
+        description="Points on lights that are asked for direct light from each place that the "
+        "camera sees",
+        default=_DEFAULT.lights_each,
+        min=1,
+        max=1024,
+        soft_max=16,
     )
     gather_rays: IntProperty(  # type: ignore[valid-type]
         name="Gather Rays",

@@ -25,6 +25,7 @@ SETTINGS = (
     "photons_global",
     "caustic_radius",
     "alpha",
+    "light_samples",
     "gather_rays",
     "camera_depth",
     "photon_depth",

@@ -62,6 +62,7 @@ class PHOTONMAP_RENDER_PT_photons(RenderPanel, bpy.types.Panel):
         counts.active = not settings.photons_automatic
         counts.prop(settings, "photons_caustic", text="Caustic")
         counts.prop(settings, "photons_global", text="Global")
+        counts.prop(settings, "light_samples")
         counts.prop(settings, "gather_rays")
         column.separator()
         column.prop(settings, "caustic_radius")

@@ -185,9 +185,10 @@ def _gather_near(
     slots = near.vertices["slot"].copy()
     begin_again(near.vertices, sent)
     light = np.zeros(len(slots), SAMPLE)
-    one = settings if settings.gather_rays == 1 else replace(settings, gather_rays=1)
-    rays = light_directly(prepared, one, near, maps.shadows, light, None)
-    rays += _gather(prepared, one, near, maps, light, None, level + 1, sent)
+    if (settings.gather_rays, settings.light_samples) != (1, 1):
+        settings = replace(settings, gather_rays=1, light_samples=1)
+    rays = light_directly(prepared, settings, near, maps.shadows, light, None)
+    rays += _gather(prepared, settings, near, maps, light, None, level + 1, sent)
     add_as_indirect(light, slots, rows)
     return rays
 
@@ -260,8 +261,8 @@ def trace_gather(
 
 def _start_gather(prepared: Prepared, settings: Settings, lit: Lit, rays: Rays) -> int:
     count: int = start_gather(
-        settings.rays_each, prepared.materials, lit.lobes, lit.vertices,
-        len(lit.vertices), rays.origins, rays.directions, rays.paths,
+        settings.rays_each, settings.lights_each, prepared.materials, lit.lobes,
+        lit.vertices, len(lit.vertices), rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
     return count
 

@@ -1,4 +1,4 @@
-"""Direct light: one light is asked at each vertex, weighed against the gather ray."""
+"""Direct light: lights are asked at each vertex, weighed against the gather rays."""
 
 from __future__ import annotations
 
@@ -26,8 +26,62 @@ def _transmittance(materials: Table, vertex: Row, behind: bool, distance: float)
 
 
 @kernel
+def samples_at(vertex: Row, lights_each: int) -> int:
+    """How many points of lights are asked for at a vertex.
+
+    Where a path goes on, one, as it goes on with one ray; a branch of a path its portion.
+    """
+    if vertex.part != WIDE:
+        return 1
+    return max(1, int(lights_each * vertex.portion + 0.5))
+
+
+@kernel
+def _send(
+    vertex: Row, wi: Vector, distance: float, k: int, origins: Table, directions: Table
+) -> float:
+    """Write shadow ray ``k``; returns its length in multiples of the direction."""
+    p = vector(vertex.p)
+    o = leave(p, vector(vertex.ng), wi, vertex.offset)
+    store(origins[k], o)
+    if not distance < FAR:
+        store(directions[k], wi)
+        return FAR
+    # From the pushed origin to a place just before the light's surface.
+    q = along(p, wi, distance)
+    store(directions[k], subtract(q, o))
+    # Embree's error grows with the ray's length and with the coordinates at both ends;
+    # lamps are often snapped into the plane of a ceiling.
+    reach = max(abs(q[0]), abs(q[1]), abs(q[2]))
+    gap = 2.0 * max(vertex.offset, OFFSET * reach, 2.0 * OFFSET * distance)
+    return max(0.0, 1.0 - gap / distance)
+
+
+@kernel
+def _share(vertex: Row, lobes: Table, wi: Vector, density: float, rays_each: int) -> float:
+    """Weight of light samples of the ``density`` beside the BSDF's rays.
+
+    Of several samples of one technique the densities add up (Veach 1997, 9.2.2).
+    """
+    pdf_bsdf = pdf_part(vertex, lobes, vector(vertex.ns), vector(vertex.wo), wi, vertex.part)
+    if vertex.part == WIDE:
+        pdf_bsdf *= rays_each * vertex.portion
+    return power_heuristic(density, pdf_bsdf)
+
+
+@kernel
+def _same_ray(entries: Table, first: int, end: int, entry: int) -> int:
+    """Which of the rays ``first`` to ``end`` goes to ``entry``, or ``end``."""
+    for row in range(first, end):
+        if entries[row] == entry:
+            return row
+    return end
+
+
+@kernel
 def sample_direct(
     rays_each: int,
+    lights_each: int,
     mesh: Row,
     materials: Table,
     lobes: Table,
@@ -47,7 +101,8 @@ def sample_direct(
 
     Next-event estimation with multiple importance sampling. Writes compact rows: rays
     (n, 3) f4 with ``lengths`` in multiples of the direction, ``slots``, ``radiance``
-    (n, 3), ``asking`` the vertices and ``entries`` the lights. Returns their number.
+    (n, 3), ``asking`` the vertices and ``entries`` the lights. Returns their number, at most
+    ``lights_each`` a vertex.
     ``rays_each``: gather rays of a whole path's vertex, the other technique.
     """
     out = 0
@@ -56,54 +111,52 @@ def sample_direct(
         p = vector(vertex.p)
         ns = vector(vertex.ns)
         ng = vector(vertex.ng)
-        u_light, u_face = camera_2d(vertex.number, vertex.pixel_key, LIGHT)
-        entry, prob = select_light(lights, p, u_light)
-        if entry < 0 or prob <= 0.0:
-            continue
-        u, v = camera_2d(vertex.number, vertex.pixel_key, LIGHT_POINT)
-        wi, distance, light, pdf_w, delta = sample_li(
-            lights, mesh, materials, shading, entry, p, ns, u_face, u, v
-        )
-        behind = dot(wi, ng) < 0.0
-        if not pdf_w > 0.0 or behind != (dot(wi, ns) < 0.0):
-            continue
-        if visibility_of(lights, entry) & part_bit(vertex, lobes, vertex.part, behind) == 0:
-            continue
-        f = eval_part(vertex, lobes, ns, vector(vertex.wo), wi, vertex.part)
-        if not max(f) > 0.0:
-            continue
-        weight = abs(dot(wi, ns)) / (pdf_w * prob)
-        shadow = casts_shadow(lights, entry)
-        # Light that nothing blocks is found here alone.
-        if not delta and shadow:
-            pdf_bsdf = pdf_part(vertex, lobes, ns, vector(vertex.wo), wi, vertex.part)
-            if vertex.part == WIDE:
-                pdf_bsdf *= rays_each * vertex.portion
-            weight *= power_heuristic(pdf_w * prob, pdf_bsdf)
-        o = leave(p, ng, wi, vertex.offset)
-        d = wi
-        length = FAR
-        if distance < FAR:
-            # From the pushed origin to a place just before the light's surface.
-            q = along(p, wi, distance)
-            d = subtract(q, o)
-            # Embree's error grows with the ray's length and with the coordinates at both
-            # ends; lamps are often snapped into the plane of a ceiling.
-            reach = max(abs(q[0]), abs(q[1]), abs(q[2]))
-            gap = 2.0 * max(vertex.offset, OFFSET * reach, 2.0 * OFFSET * distance)
-            length = max(0.0, 1.0 - gap / distance)
-        if not shadow:
-            length = 0.0
-        store(origins[out], o)
-        store(directions[out], d)
-        lengths[out] = length
-        slots[out] = vertex.slot
-        asking[out] = k
-        entries[out] = entry
-        left = _transmittance(materials, vertex, behind, distance)
-        for c in range(3):
-            radiance[out, c] = vertex.beta[c] * f[c] * light[c] * left[c] * weight
-        out += 1
+        asked = samples_at(vertex, lights_each)
+        first = out
+        for j in range(asked):
+            u_light, u_face = camera_2d(vertex.number, vertex.pixel_key, LIGHT, j, lights_each)
+            entry, prob = select_light(lights, p, u_light)
+            if entry < 0 or prob <= 0.0:
+                continue
+            u, v = camera_2d(vertex.number, vertex.pixel_key, LIGHT_POINT, j, lights_each)
+            wi, distance, light, pdf_w, delta = sample_li(
+                lights, mesh, materials, shading, entry, p, ns, u_face, u, v
+            )
+            behind = dot(wi, ng) < 0.0
+            if not pdf_w > 0.0 or behind != (dot(wi, ns) < 0.0):
+                continue
+            visible = visibility_of(lights, entry)
+            if visible & part_bit(vertex, lobes, vertex.part, behind) == 0:
+                continue
+            f = eval_part(vertex, lobes, ns, vector(vertex.wo), wi, vertex.part)
+            if not max(f) > 0.0:
+                continue
+            density = asked * pdf_w * prob
+            weight = abs(dot(wi, ns)) / density
+            shadow = casts_shadow(lights, entry)
+            # Light that nothing blocks is found here alone.
+            if not delta and shadow:
+                weight *= _share(vertex, lobes, wi, density, rays_each)
+            left = _transmittance(materials, vertex, behind, distance)
+            brings = vector(vertex.beta)
+            brings = (
+                brings[0] * f[0] * light[0] * left[0] * weight,
+                brings[1] * f[1] * light[1] * left[1] * weight,
+                brings[2] * f[2] * light[2] * left[2] * weight,
+            )
+            row = _same_ray(entries, first, out, entry) if delta else out
+            if row < out:
+                for c in range(3):
+                    radiance[row, c] += brings[c]
+                continue
+            lengths[out] = _send(vertex, wi, distance, out, origins, directions)
+            if not shadow:
+                lengths[out] = 0.0
+            slots[out] = vertex.slot
+            asking[out] = k
+            entries[out] = entry
+            store(radiance[out], brings)
+            out += 1
     return out
 
 

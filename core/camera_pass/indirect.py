@@ -16,6 +16,7 @@ from ..jit import Row, Table, kernel
 from ..photons.cells import bucket_of, cell_key
 from ..photons.photon_map import PhotonMap
 from ..sampling.rng import camera_2d, mix, uniform
+from .direct import samples_at
 from .patches import add_shared
 from .records import GATHER, GATHER_LOBE, GATHER_NUMBER, GATHER_STEP
 
@@ -26,6 +27,7 @@ _LARGE = 4 << 20
 @kernel
 def start_gather(
     rays_each: int,
+    lights_each: int,
     materials: Table,
     lobes: Table,
     vertices: Table,
@@ -37,7 +39,8 @@ def start_gather(
     """``rays_each`` rays from each vertex, drawn from its BSDF; returns how many there are.
 
     A branch of a path that was split sends its portion of them, in the mean. A path's
-    ``pdf_w`` is the density of all of a vertex's rays together.
+    ``pdf_w`` is the density of all of a vertex's rays together, for each of the points of
+    lights that are asked for there (``lights_each`` at a whole path's vertex).
     """
     out = 0
     for k in range(count):
@@ -72,7 +75,7 @@ def start_gather(
             path.event = part_bit(vertex, lobes, WIDE, transmitted)
             path.length = path.begun = vertex.length
             path.since = 0.0
-            path.pdf_w = pdf_w * wanted
+            path.pdf_w = pdf_w * wanted / samples_at(vertex, lights_each)
             path.beta[0] = vertex.beta[0] * weight[0] * share
             path.beta[1] = vertex.beta[1] * weight[1] * share
             path.beta[2] = vertex.beta[2] * weight[2] * share

@@ -31,17 +31,18 @@ def light_directly(
     count = len(lit.vertices)
     if count == 0:
         return 0
-    origins = ROOM.take("origins", count, "f4", 3)
-    directions = ROOM.take("directions", count, "f4", 3)
-    lengths = ROOM.take("lengths", count, "f4")
+    most = count * settings.lights_each
+    origins = ROOM.take("origins", most, "f4", 3)
+    directions = ROOM.take("directions", most, "f4", 3)
+    lengths = ROOM.take("lengths", most, "f4")
     slots, asking, entries = (
-        ROOM.take(name, count, "i4") for name in ("slots", "asking", "entries")
+        ROOM.take(name, most, "i4") for name in ("slots", "asking", "entries")
     )
-    radiance = ROOM.take("radiance", count, "f8", 3)
+    radiance = ROOM.take("radiance", most, "f8", 3)
     asked: int = sample_direct(
-        settings.rays_each, prepared.mesh, prepared.materials, lit.lobes,
-        prepared.shading, prepared.lights, lit.vertices, count, origins, directions,
-        lengths, slots, radiance, asking, entries,
+        settings.rays_each, settings.lights_each, prepared.mesh, prepared.materials,
+        lit.lobes, prepared.shading, prepared.lights, lit.vertices, count, origins,
+        directions, lengths, slots, radiance, asking, entries,
     )  # fmt: skip
     rays = origins[:asked], directions[:asked], lengths[:asked]
     if shadows is None:

@@ -125,6 +125,7 @@ def test_settings_of_the_scene(bpy: Any) -> None:
         "seed": 9,
         "photons_global": 1000,
         "photons_caustic": 2000,
+        "light_samples": 2,
         "gather_rays": 3,
         "camera_depth": 5,
         "photon_depth": 6,
@@ -154,7 +155,7 @@ def test_threads_and_photons_are_automatic_by_default(bpy: Any) -> None:
     add_camera(bpy)
     got = export(bpy).settings
     assert (got.threads, got.photons_global, got.photons_caustic) == (0, -1, -1)
-    assert got.gather_rays == -1
+    assert (got.light_samples, got.gather_rays) == (-1, -1)
 
 
 def test_a_box_is_one_pixel_wide_unless_asked_otherwise(bpy: Any) -> None:

@@ -28,6 +28,8 @@ def test_defaults_are_valid_and_frozen():
         ("photons_global", -2),
         ("photons_caustic", -2),
         ("gather_rays", 0),
+        ("light_samples", 0),
+        ("light_samples", 1025),
         ("camera_depth", 0),
         ("photon_depth", 0),
         ("min_throughput", 1.5),

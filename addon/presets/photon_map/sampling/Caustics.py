@@ -11,6 +11,7 @@ settings.photons_caustic = 500000
 settings.photons_global = 50000
 settings.caustic_radius = 1.0
 settings.alpha = 2 / 3
+settings.light_samples = 1
 settings.gather_rays = 2
 settings.camera_depth = 64
 settings.photon_depth = 64

@@ -11,6 +11,7 @@ settings.photons_caustic = 100000
 settings.photons_global = 100000
 settings.caustic_radius = 1.4
 settings.alpha = 2 / 3
+settings.light_samples = 1
 settings.gather_rays = 4
 settings.camera_depth = 32
 settings.photon_depth = 32
