@@ -80,7 +80,7 @@ def test_properties_have_the_defaults_and_ranges_of_the_core(bpy: Any) -> None:
     for name in FIELDS:
         entry = properties[name]
         default = getattr(settings, name)
-        if entry.type == "ENUM":
+        if entry.type in ("ENUM", "BOOLEAN"):
             assert entry.default == default
             continue
         assert math.isclose(entry.default, default, rel_tol=1e-6), name
