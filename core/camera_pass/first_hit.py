@@ -31,13 +31,13 @@ from .paths import (
     carries,
     choices,
     go_on,
-    go_straight,
     is_clipped,
     is_held_out,
     is_visible,
 )
 from .records import CHAIN, CHAIN_STEP
 from .seen import add, see_faces, see_lamps
+from .veil import go_straight
 
 _CAMERA_BIT = int(Visibility.CAMERA)
 #: A surface is there for the layers of one path when it is at least so opaque.

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..bsdf.dispatch import NARROW, WIDE, albedo_nonspecular, lobe_weights, part_bit
 from ..bsdf.hit import meet, shade
-from ..bsdf.scatter import choose_transparency, goes_through, has_rough_narrow, scatter
+from ..bsdf.scatter import goes_through, has_rough_narrow, scatter
 from ..camera.lens import camera_ray
 from ..geometry.interaction import leave
 from ..geometry.media import copy_media, cross_surface, current_medium, transmittance
@@ -28,6 +28,7 @@ from .records import (
     STEP_PASS,
 )
 from .seen import add, see_faces, see_lamps, see_world
+from .veil import choose_passing, go_straight
 
 _CAMERA_BIT = int(Visibility.CAMERA)
 _HOLDOUT = int(Visibility.HOLDOUT)
@@ -100,18 +101,6 @@ def absorb(materials: Table, path: Row, way: float) -> None:
     left = transmittance(materials, current_medium(materials, path), way)
     for c in range(3):
         path.beta[c] *= left[c]
-
-
-@kernel
-def go_straight(
-    paths: Table, k: int, hit: Row, origins: Table, directions: Table, to: int
-) -> None:
-    """Path ``k`` goes on behind the surface as if nothing had happened, as number ``to``."""
-    if to != k:
-        paths[to] = paths[k]
-    d = vector(paths[to].direction)
-    store(origins[to], leave(vector(hit.p), vector(hit.ng), d, hit.offset))
-    store(directions[to], d)
 
 
 @kernel
@@ -252,8 +241,7 @@ def _arrive(
     shade(hit, path, mesh, materials, lobes, shading, spare)
     if not materials[hit.row].passes:
         return False
-    wide, narrow = lobe_weights(path, lobes)
-    through, factor = choose_transparency(path, lobes, wide + narrow, u_pass)
+    through, factor = choose_passing(path, lobes, u_pass)
     for c in range(3):
         path.beta[c] *= factor[c]
     return bool(through)

@@ -113,7 +113,8 @@ def test_neither_threads_nor_chunks_choose_how_many():
 
 def test_what_is_chosen_automatically_stays_below_it_too():
     """Most of the noise is in the caustic: it asks for several times the photons."""
-    scene = scenes.mirror_caustic(320, radius=0.02)
+    size = 340
+    scene = scenes.mirror_caustic(size, radius=0.02)
     free = replace(MANY, passes=1, photons_global=-1, photons_caustic=-1, gather_rays=-1)
     wide, narrow = (
         render_all(replace(free, photon_memory=limit), scene) for limit in (1024, 16)
@@ -123,7 +124,7 @@ def test_what_is_chosen_automatically_stays_below_it_too():
     # The usual number fits: nothing was asked for that is not there.
     assert narrow.plan.warnings == ()
     emitted = [u.film.statistics.photons_emitted for u in (wide, narrow)]
-    assert 2 * 320 * 320 // 2 <= emitted[1] < emitted[0]
+    assert size * size <= emitted[1] < emitted[0]
 
 
 def test_groups_and_the_layer_of_densities_share_the_limit():
