@@ -119,7 +119,8 @@ def parts(world: Scene, photons: int, rays: int) -> dict[str, Any]:
     slots, asking, entries = np.zeros((3, count), np.int32)
     radiance = np.zeros((count, 3))
     asked = sample_direct(
-        1, 1, prepared.mesh, prepared.materials, lit.lobes, prepared.shading,
+        1, 1, prepared.guide, prepared.mesh, prepared.materials, lit.lobes,
+        prepared.shading,
         prepared.lights, lit.vertices, count, origins, directions, lengths, slots, radiance,
         asking, entries,
     )  # fmt: skip

@@ -12,6 +12,7 @@ from .bsdf.dispatch import smooth_glass
 from .bsdf.resolve import MOST_LOBES
 from .camera.perspective import CameraTables, camera_tables
 from .camera_pass.first_hit_tables import FirstHitTables
+from .camera_pass.guide import Guide, no_guide
 from .film.filters import filter_table
 from .geometry.intersector import Intersector
 from .geometry.media import STACK, enclosing_media
@@ -34,7 +35,7 @@ class Prepared(NamedTuple):
     of the media that the light or the camera stands in. ``receivers`` (M,) bool: the
     materials that photons are stored on; ``glass`` (M,) those that camera paths may split at.
     ``first_hits``: None when no layer needs it
-    ``focus``: where photons crowd, once it is known.
+    ``focus``: where photons crowd, ``guide``: where indirect light comes from, once known.
     ``face_object`` (F,) i4.
     """
 
@@ -55,6 +56,7 @@ class Prepared(NamedTuple):
     glass: NDArray[np.bool_]
     first_hits: FirstHitTables | None = None
     focus: Focus = no_focus()
+    guide: Guide = no_guide()
 
     def lobe_room(self, surfaces: int) -> NDArray[np.void]:
         """The lobe table, with room behind it for those worked out at ``surfaces`` hits.

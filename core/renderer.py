@@ -24,6 +24,7 @@ from .balance import (
 from .camera_pass.chunk import PhotonMaps
 from .camera_pass.pixels import Pixels, Region
 from .film.stated_error import UNKNOWN
+from .guide_pass import guided, wants_guide
 from .jit import has_compiled, obey, set_compiled
 from .kept import Kept
 from .light_groups import GroupChunk, lit_by, trace_groups
@@ -126,11 +127,17 @@ class _Render:
             of_pilot = (prepared, self.settings, self.region, source)
             radii = yield from self._watch(self.pool.submit(pilot_radii, *of_pilot), pilot)
             self.kept.leave(self.memory.expect(afforded.stored, radii))
-            asked = (prepared, self.settings, self.region, radii, source)
-            yield from self._watch(self.pool.submit(warm_up, *asked), pilot)
+            known = (self.settings, self.plan, self.region, radii, source)
+            yield from self._watch(self.pool.submit(warm_up, prepared, *known), pilot)
             self.compiling = False
             set_compiled()
             self.render_begin = time.perf_counter()
+            if wants_guide(self.settings, self.plan, self.region):
+                learning = self.pool.submit(
+                    guided, prepared, self.settings, self.region, radii, source
+                )
+                prepared, stage = yield from self._watch(learning, pilot)
+                self.plan = self.plan._replace(stages=(*self.plan.stages, stage))
             if is_free(self.settings) and source.batches:
                 radii, source = yield from self._balance(prepared, radii, source, traced)
             yield from self._passes(self._sides(prepared, source), radii)

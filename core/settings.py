@@ -65,7 +65,8 @@ class Settings:
     that gather discs reach through walls that stand in a floor, and by choosing the discs
     from fewer pixels and photons.
     ``focus``: whether photons, instead of gather rays, bring the light of small bright places
-    (``photons/focus``).
+    (``photons/focus``). ``guide``: whether gather rays may be guided to where indirect light
+    comes from, where that pays (``guide_pass``).
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
     fit the scene, ``stale_maps`` says to trace as usual, to bake them again, or to refuse.
     ``photon_memory`` [MB]: most that both photon maps of a pass, and those of the passes under
@@ -112,6 +113,7 @@ class Settings:
     shadow_least: int = 16
     draft: bool = False
     focus: bool = True
+    guide: bool = True
 
     def __post_init__(self) -> None:
         for name, (low, high) in _RANGES.items():

@@ -9,14 +9,18 @@ import numpy as np
 from .camera_pass.chunk import trace_chunk
 from .camera_pass.pixels import Pixels, Region
 from .film.film import Film
+from .guide_pass import learn_guide, wants_guide
 from .photon_pass import PhotonSource, photon_maps
 from .pilot import Radii
+from .plan import Plan
 from .prepared import Prepared
 from .sampling.rng import REPLICATES
 from .settings import Settings
 
 #: Pixels, at most, and photon paths of a batch.
 _PIXELS, _PHOTONS = 256, 16
+#: Pixels that learn a guide which nobody follows.
+_LEARNING = 64
 
 
 def empty_film(settings: Settings, width: int, height: int) -> Film:
@@ -29,9 +33,14 @@ def empty_film(settings: Settings, width: int, height: int) -> Film:
 
 
 def warm_up(
-    prepared: Prepared, settings: Settings, region: Region, radii: Radii, source: PhotonSource
+    prepared: Prepared,
+    settings: Settings,
+    plan: Plan,
+    region: Region,
+    radii: Radii,
+    source: PhotonSource,
 ) -> None:
-    """Load or compile all that a pass and its film call."""
+    """Load or compile all that a pass of ``plan`` and its film call."""
     few = [replace(batch, count=min(batch.count, _PHOTONS)) for batch in source.batches]
     walks = [source.walk(0, batch) for batch in few]
     maps = photon_maps(settings, radii, 0, few, walks)
@@ -41,6 +50,8 @@ def warm_up(
     stride = max(1, total // _PIXELS)
     pixels = Pixels.spread(0, total // stride, stride=stride)
     chunk = trace_chunk(prepared, settings, region, pixels, maps)
+    if wants_guide(settings, plan, region):
+        learn_guide(prepared, settings, region, maps, _LEARNING)
     film = empty_film(settings, pixels.paths, 1)
     ids = np.arange(pixels.paths, dtype=np.int32)
     for i in range(REPLICATES):

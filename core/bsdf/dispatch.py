@@ -26,6 +26,7 @@ from .lobe import (
     TRANSPARENT,
     casting_share,
     eval_lobe,
+    is_cosine,
     is_delta,
     is_diffuse_like,
     is_rough_glass,
@@ -197,6 +198,26 @@ def _choose(surface: Row, lobes: Table, part: int, u: float) -> tuple[int, float
     if chosen < 0:
         return -1, 0.0, 0.0
     return chosen, share / total, min(rest / share, 1.0 - 1e-12)
+
+
+@kernel
+def cosine_share(surface: Row, lobes: Table, part: int) -> float:
+    """Probability that ``sample_part`` takes a lobe that is drawn by the cosine."""
+    total = 0.0
+    found = 0.0
+    for k in range(surface.lobe_start, surface.lobe_start + surface.lobe_count):
+        share = lobes[k].share * part_share(lobes[k], part)
+        total += share
+        if is_cosine(lobes[k].model):
+            found += share
+    return found / total if total > 0.0 else 0.0
+
+
+@kernel
+def draws_cosine(surface: Row, lobes: Table, part: int, u: float) -> bool:
+    """Whether ``sample_part`` takes such a lobe with ``u``."""
+    k, _, _ = _choose(surface, lobes, part, u)
+    return k >= 0 and is_cosine(lobes[k].model)
 
 
 @kernel

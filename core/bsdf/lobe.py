@@ -75,6 +75,12 @@ def is_diffuse_like(model: int) -> bool:
 
 
 @kernel
+def is_cosine(model: int) -> bool:
+    """Whether ``sample_lobe`` draws by the cosine, with ``sample_diffuse``."""
+    return model == DIFFUSE or model == OREN_NAYAR
+
+
+@kernel
 def transmits(model: int) -> bool:
     """Whether the model sends light to the other side, and not straight on."""
     return (

@@ -142,14 +142,14 @@ def _gather(
         if kinds:
             kinds.add_photons(ends, *asked, samples["indirect"])
     rays = Rays(prepared, len(ends.vertices) * settings.rays_each)
-    count = _start_gather(prepared, settings, ends, rays)
+    count = send_gather(prepared, settings, ends, rays)
     rows = samples
     if kinds:
         # Each ray adds to a row of its own.
         rows = np.zeros(count, SAMPLE)
         slots, directions = (rays.paths[name][:count].copy() for name in ("slot", "direction"))
         rays.paths["slot"][:count] = np.arange(count)
-    far = _follow(prepared, settings, rays, count, True, rows)
+    far = follow(prepared, settings, rays, count, True, rows)
     traced = rays.traced
     if maps.global_ is not None:
         near = ends_near(far.vertices, NEAR * maps.global_radius, level)
@@ -244,7 +244,7 @@ def trace_camera(
         region.image_width, settings.seed, pixels.ids, pixels.numbers, rays.origins,
         rays.directions, rays.paths,
     )  # fmt: skip
-    lit = _follow(prepared, settings, rays, pixels.paths, False, samples, kinds)
+    lit = follow(prepared, settings, rays, pixels.paths, False, samples, kinds)
     if kinds:
         kinds.end_camera()
     return lit
@@ -255,19 +255,20 @@ def trace_gather(
 ) -> tuple[Lit, int]:
     """Final-gather rays from wide vertices: their half of direct light; (ends, rays)."""
     rays = Rays(prepared, len(lit.vertices) * settings.rays_each)
-    count = _start_gather(prepared, settings, lit, rays)
-    return _follow(prepared, settings, rays, count, True, samples), rays.traced
+    count = send_gather(prepared, settings, lit, rays)
+    return follow(prepared, settings, rays, count, True, samples), rays.traced
 
 
-def _start_gather(prepared: Prepared, settings: Settings, lit: Lit, rays: Rays) -> int:
+def send_gather(prepared: Prepared, settings: Settings, lit: Lit, rays: Rays) -> int:
+    """Gather rays of ``lit`` into the buffers of ``rays``; how many there are."""
     count: int = start_gather(
-        settings.rays_each, settings.lights_each, prepared.materials, lit.lobes,
-        lit.vertices, len(lit.vertices), rays.origins, rays.directions, rays.paths,
+        settings.rays_each, settings.lights_each, prepared.guide, prepared.materials,
+        lit.lobes, lit.vertices, len(lit.vertices), rays.origins, rays.directions, rays.paths,
     )  # fmt: skip
     return count
 
 
-def _follow(
+def follow(
     prepared: Prepared,
     settings: Settings,
     rays: Rays,

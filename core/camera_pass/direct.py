@@ -10,6 +10,7 @@ from ..jit import Row, Table, kernel
 from ..lights.dispatch import FAR, casts_shadow, sample_li, visibility_of
 from ..lights.selection import select_light
 from ..sampling.rng import camera_2d
+from .guide import guided_ratio, guided_share, zone_of
 from .records import LIGHT, LIGHT_POINT
 from .seen import power_heuristic
 
@@ -58,13 +59,19 @@ def _send(
 
 
 @kernel
-def _share(vertex: Row, lobes: Table, wi: Vector, density: float, rays_each: int) -> float:
-    """Weight of light samples of the ``density`` beside the BSDF's rays.
+def _share(
+    vertex: Row, lobes: Table, guide: Row, wi: Vector, density: float, rays_each: int
+) -> float:
+    """Weight of light samples of the ``density`` beside the chain's ray, or all gather rays.
 
     Of several samples of one technique the densities add up (Veach 1997, 9.2.2).
     """
-    pdf_bsdf = pdf_part(vertex, lobes, vector(vertex.ns), vector(vertex.wo), wi, vertex.part)
+    ns = vector(vertex.ns)
+    pdf_bsdf = pdf_part(vertex, lobes, ns, vector(vertex.wo), wi, vertex.part)
     if vertex.part == WIDE:
+        zone = zone_of(guide, vector(vertex.p), ns)
+        share = guided_share(zone, vertex, lobes)
+        pdf_bsdf *= guided_ratio(guide, zone, share, ns, wi, pdf_bsdf)
         pdf_bsdf *= rays_each * vertex.portion
     return power_heuristic(density, pdf_bsdf)
 
@@ -82,6 +89,7 @@ def _same_ray(entries: Table, first: int, end: int, entry: int) -> int:
 def sample_direct(
     rays_each: int,
     lights_each: int,
+    guide: Row,
     mesh: Row,
     materials: Table,
     lobes: Table,
@@ -103,14 +111,14 @@ def sample_direct(
     (n, 3) f4 with ``lengths`` in multiples of the direction, ``slots``, ``radiance``
     (n, 3), ``asking`` the vertices and ``entries`` the lights. Returns their number, at most
     ``lights_each`` a vertex.
-    ``rays_each``: gather rays of a whole path's vertex, the other technique.
+    ``rays_each``: gather rays of a whole path's vertex, the other technique; ``guide`` draws
+    them.
     """
     out = 0
     for k in range(count):
         vertex = vertices[k]
         p = vector(vertex.p)
         ns = vector(vertex.ns)
-        ng = vector(vertex.ng)
         asked = samples_at(vertex, lights_each)
         first = out
         for j in range(asked):
@@ -122,7 +130,7 @@ def sample_direct(
             wi, distance, light, pdf_w, delta = sample_li(
                 lights, mesh, materials, shading, entry, p, ns, u_face, u, v
             )
-            behind = dot(wi, ng) < 0.0
+            behind = dot(wi, vector(vertex.ng)) < 0.0
             if not pdf_w > 0.0 or behind != (dot(wi, ns) < 0.0):
                 continue
             visible = visibility_of(lights, entry)
@@ -136,7 +144,7 @@ def sample_direct(
             shadow = casts_shadow(lights, entry)
             # Light that nothing blocks is found here alone.
             if not delta and shadow:
-                weight *= _share(vertex, lobes, wi, density, rays_each)
+                weight *= _share(vertex, lobes, guide, wi, density, rays_each)
             left = _transmittance(materials, vertex, behind, distance)
             brings = vector(vertex.beta)
             brings = (

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bsdf.dispatch import WIDE, part_bit
+from ..bsdf.dispatch import WIDE, draws_cosine, part_bit
 from ..bsdf.scatter import scatter
 from ..geometry.interaction import leave
 from ..geometry.media import copy_media, cross_surface
@@ -17,6 +17,7 @@ from ..photons.cells import bucket_of, cell_key
 from ..photons.photon_map import PhotonMap
 from ..sampling.rng import camera_2d, mix, uniform
 from .direct import samples_at
+from .guide import guided_ratio, guided_share, warp_square, zone_of
 from .patches import add_shared
 from .records import GATHER, GATHER_LOBE, GATHER_NUMBER, GATHER_STEP
 
@@ -28,6 +29,7 @@ _LARGE = 4 << 20
 def start_gather(
     rays_each: int,
     lights_each: int,
+    guide: Row,
     materials: Table,
     lobes: Table,
     vertices: Table,
@@ -38,9 +40,10 @@ def start_gather(
 ) -> int:
     """``rays_each`` rays from each vertex, drawn from its BSDF; returns how many there are.
 
-    A branch of a path that was split sends its portion of them, in the mean. A path's
-    ``pdf_w`` is the density of all of a vertex's rays together, for each of the points of
-    lights that are asked for there (``lights_each`` at a whole path's vertex).
+    Where ``guide`` knows the place, it draws for lobes that follow the cosine. A branch of a
+    path that was split sends its portion of the rays, in the mean. A path's ``pdf_w`` is the
+    density of all of a vertex's rays together, for each of the points of lights that are
+    asked for there (``lights_each`` at a whole path's vertex).
     """
     out = 0
     for k in range(count):
@@ -49,15 +52,23 @@ def start_gather(
         sent = rays_each
         if vertex.portion < 1.0:
             sent = int(wanted + uniform(vertex.key, GATHER_NUMBER))
+        ns = vector(vertex.ns)
+        zone = zone_of(guide, vector(vertex.p), ns)
+        guided = guided_share(zone, vertex, lobes)
         for j in range(sent):
             u, v = camera_2d(vertex.number, vertex.pixel_key, GATHER, j, rays_each)
             u_lobe = uniform(vertex.key, GATHER_LOBE + GATHER_STEP * j)
+            ratio = 1.0
+            if guided >= 1.0 or (guided > 0.0 and draws_cosine(vertex, lobes, WIDE, u_lobe)):
+                u, v, ratio = warp_square(guide, zone, u, v)
             wi, weight, pdf_w, transmitted, eta = scatter(
                 materials, lobes, vertex, vertex, WIDE, u_lobe, u, v
             )
             if not max(weight) > 0.0:
                 continue
-            share = 1.0 / wanted
+            if guided < 1.0:
+                ratio = guided_ratio(guide, zone, guided, ns, wi, pdf_w)
+            share = 1.0 / (wanted * ratio)
             path = paths[out]
             copy_media(path, vertex)
             if transmitted:
@@ -75,14 +86,14 @@ def start_gather(
             path.event = part_bit(vertex, lobes, WIDE, transmitted)
             path.length = path.begun = vertex.length
             path.since = 0.0
-            path.pdf_w = pdf_w * wanted / samples_at(vertex, lights_each)
+            path.pdf_w = pdf_w * ratio * wanted / samples_at(vertex, lights_each)
             path.beta[0] = vertex.beta[0] * weight[0] * share
             path.beta[1] = vertex.beta[1] * weight[1] * share
             path.beta[2] = vertex.beta[2] * weight[2] * share
             o = leave(vector(vertex.p), vector(vertex.ng), wi, vertex.offset)
             store(path.direction, wi)
             store(path.origin, o)
-            store(path.normal, vector(vertex.ns))
+            store(path.normal, ns)
             store(origins[out], o)
             store(directions[out], wi)
             out += 1

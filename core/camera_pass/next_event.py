@@ -40,9 +40,9 @@ def light_directly(
     )
     radiance = ROOM.take("radiance", most, "f8", 3)
     asked: int = sample_direct(
-        settings.rays_each, settings.lights_each, prepared.mesh, prepared.materials,
-        lit.lobes, prepared.shading, prepared.lights, lit.vertices, count, origins,
-        directions, lengths, slots, radiance, asking, entries,
+        settings.rays_each, settings.lights_each, prepared.guide, prepared.mesh,
+        prepared.materials, lit.lobes, prepared.shading, prepared.lights, lit.vertices,
+        count, origins, directions, lengths, slots, radiance, asking, entries,
     )  # fmt: skip
     rays = origins[:asked], directions[:asked], lengths[:asked]
     if shadows is None:

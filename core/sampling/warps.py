@@ -27,6 +27,21 @@ def sample_disk(u: float, v: float) -> tuple[float, float]:
 
 
 @kernel
+def square_of_disk(x: float, y: float) -> tuple[float, float]:
+    """The point of the unit square that ``sample_disk`` maps to (x, y)."""
+    r = math.sqrt(x * x + y * y)
+    if r == 0.0:
+        return 0.5, 0.5
+    if abs(x) > abs(y):
+        a = r if x > 0.0 else -r
+        b = a * (4.0 / math.pi) * math.atan(y / x)
+    else:
+        b = r if y > 0.0 else -r
+        a = b * (4.0 / math.pi) * math.atan(x / y)
+    return min(1.0, max(0.0, 0.5 * (a + 1.0))), min(1.0, max(0.0, 0.5 * (b + 1.0)))
+
+
+@kernel
 def sample_cosine_hemisphere(u: float, v: float) -> Vector:
     """Direction about +z with density cos / pi (Malley's method)."""
     x, y = sample_disk(u, v)
