@@ -323,6 +323,7 @@ def viewport_settings(scene: Any) -> Settings:
         threads=settings.threads or max(1, settings.thread_count - 1),
         chunk_size=min(settings.chunk_size, CHUNK),
         # Decided once, and for all cameras: so turning the view keeps the photons.
+        learn_aim=False,
         gather_rays=settings.rays_each,
     )
 

@@ -75,8 +75,8 @@ class Kept:
             self.nbytes = 0
 
     def photons(self, source: PhotonSource, settings: Settings) -> PhotonSource:
-        """``source``, asked only for what is not in memory."""
-        return _KeptPhotons(self, source, settings)
+        """``source``, asked only for what is not in memory, if it serves other cameras."""
+        return source if source.learnt else _KeptPhotons(self, source, settings)
 
     def walk(self, source: PhotonSource, settings: Settings, i: int, batch: Batch) -> Walk:
         """As ``source.walk``, from memory where it has been asked for before."""
@@ -98,7 +98,7 @@ class _KeptPhotons:
     def __init__(self, kept: Kept, source: PhotonSource, settings: Settings) -> None:
         self._kept, self._source, self._settings = kept, source, settings
         self.batches = source.batches
-        self.focused = source.focused
+        self.focused, self.learnt = source.focused, source.learnt
         self.seed = source.seed
 
     def walk(self, i: int, batch: Batch) -> Walk:

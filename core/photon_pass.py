@@ -61,11 +61,12 @@ class PhotonSource(Protocol):
     """Where the photons of a render come from: ``batches`` of each pass, walks, a pilot.
 
     ``focused``: whether they are shared out at crowded places (``photons.focus``); ``seed``
-    of their random numbers.
+    of their random numbers; ``learnt``: whether they are sent where one camera sees them.
     """
 
     batches: list[Batch]
     focused: bool
+    learnt: bool
     seed: int
 
     def walk(self, i: int, batch: Batch) -> Walk:
@@ -83,6 +84,7 @@ class TracedPhotons:
         self._settings = settings
         self.batches = batches
         self.focused = prepared.focus.found > 0
+        self.learnt = len(prepared.aim.histogram.row) > 0
         self.seed = settings.seed
 
     def walk(self, i: int, batch: Batch) -> Walk:

@@ -11,6 +11,7 @@ from dataclasses import replace
 from itertools import islice
 from typing import Any, NamedTuple, TypeVar
 
+from .aim_pass import aimed
 from .baking.bake import photon_source
 from .balance import (
     PASSES,
@@ -175,6 +176,7 @@ class _Render:
 
     def _photons(self, prepared: Prepared) -> tuple[Prepared, PhotonSource, Afforded]:
         prepared, plan = self.kept.focused(prepared, self.settings, self.plan)
+        prepared, plan = aimed(prepared, self.settings, plan, self.region)
         pixels = self.region.width * self.region.height
         afforded = affordable(prepared, self.settings, plan, pixels)
         asked = (self.scene, self.settings, plan, prepared, afforded)

@@ -66,7 +66,8 @@ class Settings:
     from fewer pixels and photons.
     ``focus``: whether photons, instead of gather rays, bring the light of small bright places
     (``photons/focus``). ``guide``: whether gather rays may be guided to where indirect light
-    comes from, where that pays (``guide_pass``).
+    comes from, where that pays (``guide_pass``); ``learn_aim``: whether lights may send caustic
+    photons to where this camera sees them (``aim_pass``).
     ``photon_maps``: file of baked maps to take photons from, "" for none; where they do not
     fit the scene, ``stale_maps`` says to trace as usual, to bake them again, or to refuse.
     ``photon_memory`` [MB]: most that both photon maps of a pass, and those of the passes under
@@ -114,6 +115,7 @@ class Settings:
     draft: bool = False
     focus: bool = True
     guide: bool = True
+    learn_aim: bool = True
 
     def __post_init__(self) -> None:
         for name, (low, high) in _RANGES.items():

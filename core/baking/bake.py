@@ -111,7 +111,7 @@ class BakedPhotons:
     What they are of crowded places was settled when they were baked.
     """
 
-    focused = False
+    focused = learnt = False
 
     def __init__(self, file: MapsFile, plan: Plan) -> None:
         self._file = file

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..bsdf.dispatch import WIDE, cosine_share, pdf_part
 from ..geometry.vector import Vector, basis, dot, vector
 from ..jit import Row, Table, kernel
-from ..sampling.distributions import sample_discrete
+from ..sampling.distributions import warp
 from ..sampling.rng import mix
 from ..sampling.warps import INV_PI, square_of_disk
 
@@ -110,17 +110,9 @@ def zone_of(guide: Row, p: Vector, n: Vector) -> int:
 @kernel
 def warp_square(guide: Row, zone: int, u: float, v: float) -> tuple[float, float, float]:
     """The point of the unit square that (u, v) stands for, and the density there."""
-    row, a = _warp(guide.rows[zone], u)
-    column, b = _warp(guide.columns[zone, row], v)
+    row, a, _ = warp(guide.rows[zone], u)
+    column, b, _ = warp(guide.columns[zone, row], v)
     return (row + a) / BINS, (column + b) / BINS, guide.density[zone, row, column]
-
-
-@kernel
-def _warp(cdf: Table, u: float) -> tuple[int, float]:
-    """The bin of a cumulative table that holds ``u``, and the place within it in [0, 1)."""
-    k = sample_discrete(cdf, u)
-    before = cdf[k - 1] if k > 0 else 0.0
-    return k, min((u - before) / (cdf[k] - before), 1.0 - 1e-9)
 
 
 @kernel

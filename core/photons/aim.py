@@ -22,6 +22,7 @@ from ..sampling.warps import one_minus_cos, sample_cone, sample_disk
 from ..scene.scene import Scene
 from ..scene.tables import Visibility
 from .casters import caster_strength
+from .emission_histogram import EmissionHistogram, no_histogram
 
 #: Most spheres in use; more casters than that are merged by nearness.
 MOST_SPHERES = 64
@@ -31,10 +32,14 @@ EVEN = 0.5
 
 
 class Aim(NamedTuple):
-    """Spheres (C, 5) f8 around the casters: centre, radius, strength; light shares (N+2,)."""
+    """Spheres (C, 5) f8 around the casters: centre, radius, strength; light shares (N+2,).
+
+    ``histogram``: what has been learnt of the numbers that choose where to aim at them.
+    """
 
     spheres: NDArray[np.float64]
     light_cdf: NDArray[np.float64]
+    histogram: EmissionHistogram = no_histogram()
 
 
 def aim_at(scene: Scene, mesh: Mesh, lights: LightSet) -> Aim:

@@ -20,9 +20,10 @@ from ..lights.emission import (
     sample_natural,
 )
 from ..sampling.distributions import probability, sample_discrete
-from ..sampling.rng import mix, sobol_2d, stream, uniform
+from ..sampling.rng import stream, uniform
 from ..sampling.warps import sample_disk
 from .aim import aim_distant, aim_local
+from .emission_histogram import emission_numbers, warp_emission
 
 #: One photon on its way. ``flux`` [W] per channel; ``direction`` of travel; ``index`` of
 #: its path in the pass; ``depth``: events so far, ``steps``: surfaces so far;
@@ -73,6 +74,18 @@ def _distant_origin(
 
 
 @kernel
+def _leave(path: Row, lights: Row, light_media: Table, entry: int) -> None:
+    """Nothing has happened yet to a photon of light ``entry``."""
+    path.depth = path.steps = path.passed = 0
+    store(path.focused, (0.0, 0.0, 0.0))
+    path.visibility = visibility_of(lights, entry)
+    path.entry = entry
+    path.media_count = light_media[entry, 0]
+    for j in range(light_media[entry, 0]):
+        path.media[j] = light_media[entry, 1 + j]
+
+
+@kernel
 def emit_photons(
     mesh: Row,
     materials: Table,
@@ -80,6 +93,7 @@ def emit_photons(
     lights: Row,
     light_media: Table,
     spheres: Table,
+    histogram: Row,
     light_cdf: Table,
     aimed: bool,
     seed: int,
@@ -96,19 +110,21 @@ def emit_photons(
 
     Writes rays into ``origins`` and ``directions`` (n, 3) f4 and records into ``paths``
     (n,) ``PHOTON_PATH``. Photons of a pass are points of one scrambled sequence, so they
-    are stratified over lights, positions and directions.
+    are stratified over lights, positions and directions. ``histogram`` warps the numbers of
+    those that are ``aimed`` at ``spheres``.
     """
     out = 0
     scramble = stream(seed, purpose, i, -1)
     for k in range(start, start + count):
         key = stream(seed, purpose, i, k)
-        u_light, u_cone = sobol_2d(k, mix(scramble + np.uint64(1)))
-        u, v = sobol_2d(k, mix(scramble + np.uint64(2)))
-        s, t = sobol_2d(k, mix(scramble + np.uint64(3)))
+        u_light, u_cone, u, v, s, t = emission_numbers(scramble, k)
         entry = sample_discrete(light_cdf, u_light)
         prob = probability(light_cdf, entry)
         if prob <= 0.0:
             continue
+        if aimed:
+            u_cone, u, v, density = warp_emission(histogram, entry, u_cone, u, v)
+            prob *= density
         if lights.distant[entry]:
             w, power = sample_distant(lights, entry, s, t)
             origin, pdf = _distant_origin(lights, spheres, aimed, w, u_cone, u, v)
@@ -139,16 +155,10 @@ def emit_photons(
         path = paths[out]
         path.key = key
         path.index = k
-        path.depth = path.steps = path.passed = 0
         path.part = WIDE if aimed else SPREADING
-        store(path.focused, (0.0, 0.0, 0.0))
-        path.visibility = visibility_of(lights, entry)
-        path.entry = entry
         store(path.flux, flux)
         store(path.direction, w)
-        path.media_count = light_media[entry, 0]
-        for j in range(light_media[entry, 0]):
-            path.media[j] = light_media[entry, 1 + j]
+        _leave(path, lights, light_media, entry)
         store(origins[out], origin)
         store(directions[out], w)
         out += 1

@@ -90,7 +90,8 @@ def _trace(prepared: Prepared, settings: Settings, count: int) -> NDArray[np.voi
     paths = np.zeros(count, PHOTON_PATH)
     alive = emit_photons(
         prepared.mesh, prepared.materials, prepared.shading, prepared.lights,
-        prepared.light_media, prepared.aim.spheres, prepared.lights.photon_cdf, False,
+        prepared.light_media, prepared.aim.spheres, prepared.aim.histogram,
+        prepared.lights.photon_cdf, False,
         settings.seed, PHOTON_GLOBAL, SHADOW_PASS, 0, count, count, origins, directions, paths,
     )  # fmt: skip
     entry = paths["entry"][:alive]

@@ -99,8 +99,8 @@ def trace_photons(
     paths = ROOM.take("photon paths", count, PHOTON_PATH)
     alive = emit_photons(
         prepared.mesh, prepared.materials, prepared.shading, prepared.lights,
-        prepared.light_media, spheres, light_cdf, aimed, settings.seed, purpose, i, start,
-        count, total, origins, directions, paths,
+        prepared.light_media, spheres, prepared.aim.histogram, light_cdf, aimed,
+        settings.seed, purpose, i, start, count, total, origins, directions, paths,
     )  # fmt: skip
     room = prepared.lobe_room(0)
     meeting = np.zeros(1, HIT)

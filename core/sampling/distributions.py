@@ -36,6 +36,15 @@ def sample_discrete(cdf: Table, u: float) -> int:
 
 
 @kernel
+def warp(cdf: Table, u: float) -> tuple[int, float, float]:
+    """Entry of a cumulative table that holds ``u``: (entry, place within in [0, 1), share)."""
+    k = sample_discrete(cdf, u)
+    before = cdf[k - 1] if k > 0 else 0.0
+    share = cdf[k] - before
+    return k, min((u - before) / share, 1.0 - 1e-9), share
+
+
+@kernel
 def probability(cdf: Table, i: int) -> float:
     """Probability of entry ``i``."""
     if i == 0:

@@ -10,6 +10,12 @@ import pytest
 from photon_map.core.geometry.mesh import centre_of, centred_mesh
 from photon_map.core.lights.emission import reaches
 from photon_map.core.lights.light_set import light_set
+from photon_map.core.photons.emission_histogram import (
+    BINS,
+    CASTERS,
+    histogram_of,
+    no_histogram,
+)
 from photon_map.core.photons.emit import PHOTON_PATH, emit_photons
 from photon_map.core.scene.builder import SceneBuilder, diffuse
 from photon_map.tests import scenes
@@ -17,13 +23,14 @@ from photon_map.tests.core.lights.support import PLAIN
 from photon_map.tests.statistics import integral, same_means
 
 PASSES, COUNT = 40, 4096
+NONE = no_histogram()
 TURN = scenes.look_at((0, 0, 0), (1, 2, 3))[:3, :3]
 HEIGHT = 2.0
 #: Centre, radius and strength of two casters.
 SPHERES = np.array([[0.0, 0.0, 0.0, 0.8, 1.0], [0.3, 0.2, 0.0, 0.3, 0.4]])
 
 
-def emitted(builder, aimed=False):
+def emitted(builder, aimed=False, histogram=NONE):
     """Origins, directions, flux of (pass, photon); rays without power have flux 0."""
     scene = builder.build()
     centre = centre_of(scene)
@@ -37,11 +44,18 @@ def emitted(builder, aimed=False):
     for i in range(PASSES):
         paths = np.zeros(COUNT, PHOTON_PATH)
         alive = emit_photons(
-            mesh, scene.materials, PLAIN, lights, media, spheres, lights.photon_cdf, aimed,
-            7, 2, i, 0, COUNT, COUNT, origins[i], directions[i], paths,
+            mesh, scene.materials, PLAIN, lights, media, spheres, histogram,
+            lights.photon_cdf, aimed, 7, 2, i, 0, COUNT, COUNT, origins[i], directions[i],
+            paths,
         )  # fmt: skip
         flux[i, :alive] = paths["flux"][:alive]
     return origins + centre.origin, directions.astype(float), flux, lights
+
+
+def any_histogram(lights):
+    """One that knows nothing: cells of very different density, the same for all lights."""
+    density = np.random.default_rng(8).lognormal(0.0, 0.7, (1, CASTERS, BINS, BINS))
+    return histogram_of(np.zeros(lights, np.int32), density)
 
 
 def at(place):
@@ -203,10 +217,11 @@ def irradiance(kind, x, y):
     return 3.0 * 2 / math.sqrt(5) + 0 * x * y
 
 
-@pytest.mark.parametrize("aimed", [False, True])
+@pytest.mark.parametrize("aimed", [False, True, "by a histogram"])
 @pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("disk", "map")])
 def test_photons_bring_the_irradiance_of_the_closed_form(kind, aimed):
-    origins, directions, flux, lights = emitted(builder(kind), aimed)
+    histogram = any_histogram(3) if aimed == "by a histogram" else NONE
+    origins, directions, flux, lights = emitted(builder(kind), bool(aimed), histogram)
     down = directions[:, :, 2] < 0
     drop = np.where(down, directions[:, :, 2], -1.0)
     landing = origins - directions * (origins[:, :, 2] / drop)[:, :, None]
