@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import time
 
 
 class KeyEvent(ctypes.Structure):
@@ -19,14 +20,19 @@ class KeyEvent(ctypes.Structure):
 
 
 def press_escape() -> None:
-    """Press Escape by the X server: Blender's simulated events do not break a render."""
+    """Press Escape by the X server: Blender's simulated events do not break a render.
+
+    With the time [ms]: Blender takes a press at the time of the last release for one of a key
+    that is held down, and those do not break it.
+    """
+    now = int(1000 * time.monotonic())
     x, display, root, windows = _open()
     escape = x.XKeysymToKeycode(display, ctypes.c_ulong(0xFF1B))
     for window in windows:
         for kind, mask in ((2, 1), (3, 2)):
             event = KeyEvent(
                 type=kind, display=display, window=window, root=root, keycode=escape,
-                same_screen=1,
+                time=now + kind, same_screen=1,
             )  # fmt: skip
             x.XSendEvent(
                 display, ctypes.c_ulong(window), 1, ctypes.c_long(mask), ctypes.byref(event)
