@@ -86,6 +86,15 @@ def reference_imports(tree: ast.AST) -> list[str]:
     ]
 
 
+def originals_asked_for(tree: ast.AST) -> list[str]:
+    """Where the data that an evaluated object was made from are asked for."""
+    return [
+        f"line {node.lineno}: .original"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and node.attr == "original"
+    ]
+
+
 def addon_offences(tree: ast.AST, depth: int) -> list[str]:
     """Imports, in a file ``depth`` folders below ``addon/``, of the core's insides."""
     found = []

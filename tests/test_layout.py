@@ -57,6 +57,13 @@ def test_core_imports_nothing_from_outside_itself():
     assert not rules.climbing_imports(ast.parse("from ..settings import Settings"), 1)
 
 
+def test_a_final_renders_export_asks_for_no_originals():
+    # They may be deleted meanwhile. A viewport's memory is used on Blender's thread alone.
+    files = (path for path in sources("addon/export") if path.name != "memory.py")
+    assert not offences(files, lambda tree, _: rules.originals_asked_for(tree))
+    assert rules.originals_asked_for(ast.parse("obj.original.photon_map"))
+
+
 IMPORT_ALL_OF_CORE = """
 import importlib, pkgutil, sys
 

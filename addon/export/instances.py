@@ -43,8 +43,11 @@ def add_objects(
     the surfaces of curves, texts and metaballs as instances of type MESH beside the objects
     themselves: taken from both, every face would lie on a twin. ``memory`` has the meshes of
     an earlier export. Raises ``ExportCancelledError`` when ``stopped()`` turns true.
+
+    A final render runs beside the user's edits: what an evaluated object was made from may be
+    deleted meanwhile, so nothing here asks for an ``original``.
     """
-    meshes = _MeshCache(memory)
+    meshes = _MeshCache(memory, depsgraph.mode == "RENDER")
     for instance in depsgraph.object_instances:
         if stopped():
             raise ExportCancelledError
@@ -58,7 +61,7 @@ def add_objects(
         elif obj.type == "MESH":
             warn_object(obj, log)
             parent = instance.parent if instance.is_instance else None
-            seen_by = object_visibility(obj, depsgraph.view_layer, parent)
+            seen_by = object_visibility(obj, depsgraph.view_layer_eval, parent)
             arrays, own = meshes.get(obj, bool(instance.is_instance))
             if arrays is not None and len(arrays.faces):
                 _add_mesh(builder, obj, arrays, own, matrix, seen_by, materials, log)
@@ -133,11 +136,15 @@ def _root(obj: Any) -> Any:
 
 
 class _MeshCache:
-    """Converted meshes by evaluated data, alive for one export; ``memory`` lives longer."""
+    """Converted meshes by evaluated data, alive for one export; ``memory`` lives longer.
 
-    def __init__(self, memory: ExportMemory | None) -> None:
+    ``in_place``: read evaluated meshes themselves, of which a viewport may have but the cage.
+    """
+
+    def __init__(self, memory: ExportMemory | None, in_place: bool) -> None:
         self._meshes: dict[int, tuple[MeshArrays | None, list[Any]]] = {}
         self._memory = memory
+        self._in_place = in_place
 
     def get(self, obj: Any, is_instance: bool) -> tuple[MeshArrays | None, list[Any]]:
         """Arrays of ``obj`` (None without a surface) and its data's materials."""
@@ -152,6 +159,8 @@ class _MeshCache:
         known = memory.mesh(obj) if memory is not None else None
         if known is not None:
             return known, list(obj.data.materials)
+        if self._in_place and not obj.data.is_editmode:
+            return read_mesh(obj.data), list(obj.data.materials)
         mesh = obj.to_mesh()
         if mesh is None:
             return None, []

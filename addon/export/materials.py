@@ -50,7 +50,7 @@ class MaterialTable:
     def row(self, material: Any | None) -> int:
         """The row of ``material``, None = the default grey; the view layer may override."""
         material = self.override or material
-        key = None if material is None else material.original.session_uid
+        key = None if material is None else material.as_pointer()
         if key not in self._rows:
             self._rows[key] = self._add(material)
         return self._rows[key]

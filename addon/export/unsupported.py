@@ -21,7 +21,7 @@ def warn_object(obj: Any, log: ExportLog) -> None:
 
 def warn_linking(obj: Any, log: ExportLog) -> None:
     """Say that ``obj``, a lamp or a surface, lights more than it was told to."""
-    linking = obj.original.light_linking
+    linking = obj.light_linking
     if linking.receiver_collection is not None or linking.blocker_collection is not None:
         log.warn_group("light linking is ignored", f"object '{obj.name}'")
 

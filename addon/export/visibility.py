@@ -21,7 +21,7 @@ _SWITCHES = {
 def object_visibility(obj: Any, layer: Any = None, parent: Any = None) -> Visibility:
     """The rays that see ``obj``, a surface or the shape of a lamp.
 
-    ``layer``: the original view layer; a collection that is "indirect only" there hides
+    ``layer``: the evaluated view layer; a collection that is "indirect only" there hides
     what it holds from the camera, one that is held out cuts a hole there, as the object's
     own switch does. ``parent``: the object that shows ``obj`` as an instance; it is that
     one's holdout which counts.
@@ -30,11 +30,11 @@ def object_visibility(obj: Any, layer: Any = None, parent: Any = None) -> Visibi
     for name, bit in _SWITCHES.items():
         if getattr(obj, name):
             seen |= bit
-    if layer is not None and obj.original.indirect_only_get(view_layer=layer):
+    if layer is not None and obj.indirect_only_get(view_layer=layer):
         seen &= ~Visibility.CAMERA
-    if layer is not None and (parent or obj).original.holdout_get(view_layer=layer):
+    if layer is not None and (parent or obj).holdout_get(view_layer=layer):
         seen |= Visibility.HOLDOUT
-    own = obj.original.photon_map
+    own = obj.photon_map
     if not own.casts_caustics:
         seen |= Visibility.CASTS_NONE
     if not own.shows_caustics:
