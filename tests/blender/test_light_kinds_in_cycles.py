@@ -63,6 +63,11 @@ def build(bpy: Any) -> list[str]:
             bpy, "P", "ShaderNodeBsdfPrincipled", Base_Color=(0.2, 0.5, 0.7, 1), Roughness=0.5
         ),
     }
+    # Several scatterings within one surface: Cycles loses 1.2 % of this cube in a white furnace
+    # and 6 % of the lamp's light through it, where we lose less than 0.01 % of the former.
+    tree = cubes["Frosted"].node_tree
+    glass = next(node for node in tree.nodes if node.type == "BSDF_GLASS")
+    glass.distribution = "GGX"
     for k, (name, material) in enumerate(cubes.items()):
         cube = add_cube(bpy, name, material)
         cube.location, cube.rotation_euler = (1.1 * (k - 2), 0.0, 0.8), (0.5, 0.4, 0.2)
