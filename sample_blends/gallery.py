@@ -210,9 +210,8 @@ def document(results: dict[str, Result]) -> str:
         "",
         fill(
             f"Made by `make gallery` from `sample_blends/`, {SIZE[0]}x{SIZE[1]} pixels. Below "
-            "each picture stand its passes, the seconds of rendering on two cores that did "
-            "other work too (2 to 4 times what they take alone), and the error that the render "
-            "stated of itself: noise and bias of a typical pixel."
+            "each picture stand its passes, the seconds of rendering on two cores, and the "
+            "error that the render stated of itself: noise and bias of a typical pixel."
         ),
         "",
         "## The report's figures",
