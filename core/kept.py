@@ -100,6 +100,7 @@ class _KeptPhotons:
         self.batches = source.batches
         self.focused, self.learnt = source.focused, source.learnt
         self.seed = source.seed
+        self.passes = source.passes
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """What ``batch`` of pass ``i`` left."""

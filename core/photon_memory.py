@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .camera_pass.chunk import PhotonMaps
+from .camera_pass.light_image import bytes_of_connected, bytes_of_image, why_not
 from .film.layers import DENSITY_LAYER
 from .photon_pass import Batch, photon_batches, trace_batch
 from .photons.photon_map import PhotonMap, bytes_of_map, bytes_while_building
@@ -54,19 +55,22 @@ class Budget(NamedTuple):
     """The limit [bytes], and what takes memory beside one pass's photons.
 
     ``sides``: how often a photon is stored, by the groups of lights; ``counts``: whether
-    there are copies for the layer of densities.
+    there are copies for the layer of densities; ``pixels``: those of all images of photons
+    connected with the camera.
     """
 
     limit: int
     sides: int
     counts: bool
+    pixels: int = 0
 
     @staticmethod
-    def of(settings: Settings, others: int = 0) -> Budget:
-        """What ``settings`` ask for, less the bytes of ``others``."""
+    def of(settings: Settings, others: int = 0, pixels: int = 0) -> Budget:
+        """What ``settings`` ask for, less the bytes of ``others``; ``pixels`` of an image."""
         sides = 1 + _most_groups(settings.light_groups)
         limit = (settings.photon_memory << 20) - others
-        return Budget(limit, sides, DENSITY_LAYER in settings.first_hit)
+        images = pixels * _images(settings)
+        return Budget(limit, sides, DENSITY_LAYER in settings.first_hit, images)
 
     def bytes_of(self, stored: Stored, ahead: int) -> int:
         """Most memory of passes that store so much, ``ahead`` under way beside one in use."""
@@ -75,7 +79,11 @@ class Budget(NamedTuple):
             copies = count * PHOTON.itemsize if self.counts else 0
             in_use += bytes_of_map(count) + copies
             building += bytes_while_building(count) + copies
-        return self.sides * (in_use + ahead * building)
+        photons = self.sides * (in_use + ahead * building)
+        if self.pixels == 0:
+            return photons
+        seen = self.sides * bytes_of_connected(math.ceil(stored.caustic))
+        return photons + (1 + ahead) * bytes_of_image(self.pixels) + ahead * seen
 
     def part(self, stored: Stored) -> float:
         """The part, 1 at most, of ``stored`` that fits."""
@@ -115,11 +123,14 @@ def affordable(prepared: Prepared, settings: Settings, plan: Plan, pixels: int) 
     counts = emitted(batches)
     rows = 2 if prepared.focus.found else 1
     worst = Stored(*(float(rows * count * settings.photon_depth) for count in counts))
-    if Budget.of(settings).bytes_of(worst, AHEAD) <= settings.photon_memory << 20:
+    image = 0 if counts[0] == 0 or why_not(settings, pixels, _images(settings)) else pixels
+    budget = Budget.of(settings, 5 * image, image)
+    if budget.bytes_of(worst, AHEAD) <= budget.limit:
         return Afforded(batches, worst)
     each = [_stored_each(prepared, settings, k == 0) if counts[k] else 0.0 for k in (0, 1)]
     stored = Stored(each[0] * counts[0], each[1] * counts[1])
-    part = Budget.of(settings, bytes_of_map(math.ceil(each[0] * CROWD))).part(stored)
+    others = bytes_of_map(math.ceil(each[0] * CROWD)) + 5 * image
+    part = Budget.of(settings, others, image).part(stored)
     if part >= 1.0:
         return Afforded(batches, stored)
     fewer = [min(count, max(LEAST, int(part * count))) for count in counts]
@@ -144,6 +155,7 @@ class PhotonMemory:
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._others = 0
+        self._pixels = 0
         self._in_use = 0
         self._building = 0
         #: Passes that are traced ahead of the one in use.
@@ -160,14 +172,17 @@ class PhotonMemory:
         Returns the bytes that are left below the limit.
         """
         self._others = bytes_in(radii.crowd) if radii.crowd is not None else 0
-        budget = Budget.of(self._settings, self._others)
+        if radii.expected is not None:
+            self._others += radii.expected.nbytes
+            self._pixels = radii.expected.pixels
+        budget = Budget.of(self._settings, self._others, self._pixels)
         fits = budget.bytes_of(stored, AHEAD) <= budget.limit
         self.ahead = AHEAD if fits else LEAST_AHEAD
         return budget.limit - budget.bytes_of(stored, self.ahead)
 
     def fits_with(self, stored: Stored) -> Callable[[float], bool]:
         """Whether passes that store ``stored`` may have so many times the caustic photons."""
-        budget = Budget.of(self._settings, self._others)
+        budget = Budget.of(self._settings, self._others, self._pixels)
 
         def fits(factor: float) -> bool:
             more = Stored(_MORE * factor * stored.caustic, _MORE * stored.global_)
@@ -192,6 +207,10 @@ class PhotonMemory:
         )
         in_use = sum(map(bytes_in, found)) + copies
         building = sum(bytes_while_building(len(m.photons)) for m in found) + copies
+        for image in (maps.connected for maps in sides):
+            if image is not None:
+                in_use += image.light.nbytes
+                building += image.light.nbytes + bytes_of_connected(image.found)
         self._in_use = max(self._in_use, in_use)
         self._building = max(self._building, building)
 
@@ -216,6 +235,11 @@ def _stored_each(prepared: Prepared, settings: Settings, caustic: bool) -> float
     paths = walk.order // settings.photon_depth
     left = np.bincount(paths, minlength=PROBE).astype(np.float64)
     return float(left.mean() + MARGIN * left.std() / math.sqrt(PROBE))
+
+
+def _images(settings: Settings) -> int:
+    """Images of connected photons in a pass: one of all lights, and of each group."""
+    return 1 + len(settings.light_groups)
 
 
 def _most_groups(groups: Iterable[LightGroup]) -> int:

@@ -10,8 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera_pass.chunk import PhotonMaps
+from .camera_pass.connections import connect
 from .camera_pass.density import DensityMaps
 from .camera_pass.focus import FOCUS_DISC
+from .camera_pass.light_image import (
+    Expected,
+    around,
+    expected_from,
+    light_image,
+    no_connections,
+    why_not,
+)
 from .camera_pass.pixels import Region
 from .film.layers import DENSITY_LAYER
 from .photons.focus import parted
@@ -61,13 +70,15 @@ class PhotonSource(Protocol):
     """Where the photons of a render come from: ``batches`` of each pass, walks, a pilot.
 
     ``focused``: whether they are shared out at crowded places (``photons.focus``); ``seed``
-    of their random numbers; ``learnt``: whether they are sent where one camera sees them.
+    of their random numbers; ``learnt``: whether they are sent where one camera sees them;
+    ``passes`` that have photons of their own.
     """
 
     batches: list[Batch]
     focused: bool
     learnt: bool
     seed: int
+    passes: int
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """What ``batch`` of pass ``i`` left."""
@@ -86,6 +97,7 @@ class TracedPhotons:
         self.focused = prepared.focus.found > 0
         self.learnt = len(prepared.aim.histogram.row) > 0
         self.seed = settings.seed
+        self.passes = settings.passes
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """Emit and trace one batch of pass ``i``."""
@@ -128,10 +140,42 @@ def pilot_radii(
             chosen = replace(settings, seed=source.seed)
             walk = trace_batch(prepared, chosen, PILOT_PASS, Batch(True, 0, number, number))
             crowd = build_photon_map([walk], radii.caustic[3])
-            radii = radii._replace(crowd=crowd, crowd_photons=number)
+            expected = _expected(prepared, chosen, region, walk)
+            expected = expected._replace(passes=source.passes)
+            radii = radii._replace(crowd=crowd, crowd_photons=number, expected=expected)
     if settings.shadow_photons:
         radii = radii._replace(shadows=shadow_map(prepared, settings))
     return radii
+
+
+def _expected(prepared: Prepared, settings: Settings, region: Region, walk: Walk) -> Expected:
+    """What connections of the pilot's photons, ``walk``, tell."""
+    pixels = region.width * region.height
+    reason = why_not(settings, pixels, 1 + len(settings.light_groups))
+    if reason:
+        return no_connections(region, reason)
+    x0, y0, width, height = around(region)
+    every = np.ones((height, width), np.uint8)
+    found = connect(prepared, settings, (x0, y0), every, PILOT_PASS, walk)
+    return expected_from(found, region, prepared.camera.filter_table)
+
+
+def walk_and_connect(
+    prepared: Prepared,
+    source: PhotonSource,
+    settings: Settings,
+    radii: Radii,
+    i: int,
+    batch: Batch,
+) -> Walk:
+    """What ``batch`` of pass ``i`` left, and what the camera sees of it at once."""
+    walk = source.walk(i, batch)
+    expected = radii.expected
+    if not batch.caustic or expected is None or expected.counts is None:
+        return walk
+    corner = (expected.region.x0, expected.region.y0)
+    found = connect(prepared, settings, corner, expected.wanted, i, walk)
+    return walk._replace(seen=found.seen, rays=walk.rays + found.rays)
 
 
 def photon_maps(
@@ -147,6 +191,11 @@ def photon_maps(
     global_, others = parted(global_)
     focused += others
     caustic_map = build_photon_map(caustic, cell) if caustic else None
+    seen = [walk.seen for walk in caustic if walk.seen is not None]
+    paths = sum(b.count for b in batches if b.caustic)
+    image = None
+    if radii.expected is not None and seen:
+        image = light_image(radii.expected, seen, i, paths / radii.crowd_photons)
     global_map = build_photon_map(global_, CELL * global_radius) if global_ else None
     counts = DENSITY_LAYER in settings.first_hit
     return PhotonMaps(
@@ -161,8 +210,9 @@ def photon_maps(
         rays=sum(w.rays for w in walks),
         salt=next(_SALTS),
         shadows=radii.shadows,
-        crowd=radii.crowd_of(sum(b.count for b in batches if b.caustic)),
+        crowd=radii.crowd_of(paths),
         counted=DensityMaps.of(caustic_map, global_map) if counts else None,
         focus=build_photon_map(focused, FOCUS_DISC * cell) if focused else None,
         focus_radii=(FOCUS_DISC * footprints, FOCUS_DISC * least, FOCUS_DISC * most),
+        connected=image,
     )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .camera_pass.caustics import footprints
 from .camera_pass.chunk import trace_camera, trace_gather, wide_only
+from .camera_pass.light_image import Expected
 from .camera_pass.pixels import Pixels, Region
 from .camera_pass.rays import Rays
 from .film.film import SAMPLE
@@ -44,7 +45,8 @@ class Radii(NamedTuple):
     """Radii of pass 0. ``caustic``: pixel footprints, least, most, cell; ``global_`` [m].
 
     The borders are in grids for discs of up to those radii. ``shadows``: the shadow photons,
-    None without; ``crowd``: the map of ``crowd_photons`` caustic photons, None without.
+    None without; ``crowd``: the map of ``crowd_photons`` caustic photons, None without, and
+    ``expected``: what the camera sees of these at once.
     """
 
     caustic: tuple[float, float, float, float]
@@ -54,6 +56,7 @@ class Radii(NamedTuple):
     shadows: ShadowMap | None = None
     crowd: PhotonMap | None = None
     crowd_photons: int = CROWD
+    expected: Expected | None = None
 
     def with_caustics(self, factor: float) -> Radii:
         """Discs of caustics ``factor`` (1 at most) times as wide."""

@@ -44,6 +44,7 @@ from .photon_pass import (
     photon_batches,
     photon_maps,
     pilot_radii,
+    walk_and_connect,
 )
 from .photons.trace import Walk
 from .pilot import Radii
@@ -128,6 +129,7 @@ class _Render:
             of_pilot = (prepared, self.settings, self.region, source)
             radii = yield from self._watch(self.pool.submit(pilot_radii, *of_pilot), pilot)
             self.kept.leave(self.memory.expect(afforded.stored, radii))
+            self.plan = radii.expected.with_stage(self.plan) if radii.expected else self.plan
             known = (self.settings, self.plan, self.region, radii, source)
             yield from self._watch(self.pool.submit(warm_up, prepared, *known), pilot)
             self.compiling = False
@@ -311,8 +313,8 @@ class _Render:
         self, radii: Radii, sides: list[_Side], i: int
     ) -> Future[list[PhotonMaps]]:
         """Queue the photon batches of pass ``i`` and, behind them, the sorting."""
-        batches = sides[0].source.batches
-        walks = [[self._submit(s.source.walk, i, batch) for batch in batches] for s in sides]
+        batches, own = sides[0].source.batches, (self.settings, radii, i)
+        walks = [[self._submit(walk_and_connect, *s, *own, b) for b in batches] for s in sides]
 
         def sort() -> list[PhotonMaps]:
             # The batches are before this task in the queue: no thread waits for itself.

@@ -10,7 +10,7 @@ from .camera_pass.chunk import trace_chunk
 from .camera_pass.pixels import Pixels, Region
 from .film.film import Film
 from .guide_pass import learn_guide, wants_guide
-from .photon_pass import PhotonSource, photon_maps
+from .photon_pass import PhotonSource, photon_maps, walk_and_connect
 from .pilot import Radii
 from .plan import Plan
 from .prepared import Prepared
@@ -42,7 +42,8 @@ def warm_up(
 ) -> None:
     """Load or compile all that a pass of ``plan`` and its film call."""
     few = [replace(batch, count=min(batch.count, _PHOTONS)) for batch in source.batches]
-    walks = [source.walk(0, batch) for batch in few]
+    asked = (prepared, source, settings, radii)
+    walks = [walk_and_connect(*asked, 0, batch) for batch in few]
     maps = photon_maps(settings, radii, 0, few, walks)
     if prepared.focus.found and maps.focus is None:
         maps = maps._replace(focus=maps.global_)

@@ -116,6 +116,7 @@ class BakedPhotons:
     def __init__(self, file: MapsFile, plan: Plan) -> None:
         self._file = file
         self.seed = file.header.seed
+        self.passes = file.header.passes
         emitted = file.header.emitted
         self.batches = [
             Batch(caustic, 0, count, count)

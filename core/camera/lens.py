@@ -75,3 +75,58 @@ def camera_ray(
     d = normalize(d)
     before = camera.clip_start / cosine
     return along(origin, d, before), d, before, (camera.clip_end - camera.clip_start) / cosine
+
+
+@kernel
+def towards(
+    camera: Row, p: Vector, u_lens: float, v_lens: float
+) -> tuple[float, float, Vector, Vector, float, float, float]:
+    """Ray from a point of the lens towards ``p``, and where it crosses the film.
+
+    Gives (x, y [pixels], origin, unit direction, way from the lens to the origin, farthest way
+    from the origin, area of the film [pixels^2] per solid angle at the lens [sr], or per area
+    across the rays [m^2] of an orthographic camera); the last is 0 behind the camera.
+    """
+    right = read(camera.axes, 0)
+    up = read(camera.axes, 1)
+    forward = read(camera.axes, 2)
+    origin = read(camera.position.reshape(1, 3), 0)
+    focus = camera.focus_distance
+    lx = ly = 0.0
+    if camera.lens_radius > 0.0:
+        lx, ly = sample_lens(camera, u_lens, v_lens)
+    ahead = subtract(p, origin)
+    across, above, depth = dot(ahead, right), dot(ahead, up), dot(ahead, forward)
+    d = forward
+    if camera.orthographic:
+        # The lens lies about the place where the ray of the lens' middle starts.
+        if camera.lens_radius > 0.0:
+            across -= lx * (1.0 - depth / focus)
+            above -= ly * (1.0 - depth / focus)
+            d = normalize(
+                along(along(along((0.0, 0.0, 0.0), forward, focus), right, -lx), up, -ly)
+            )
+        origin = along(along(origin, right, across), up, above)
+        origin = along(along(origin, right, lx), up, ly)
+    else:
+        if depth <= 0.0:
+            return 0.0, 0.0, origin, forward, 0.0, 0.0, 0.0
+        origin = along(along(origin, right, lx), up, ly)
+        across, above = (across - lx) / depth, (above - ly) / depth
+        if camera.lens_radius > 0.0:
+            across += lx / focus
+            above += ly / focus
+        d = normalize(subtract(p, origin))
+    x = (across - camera.left) / camera.step_x
+    y = (above - camera.bottom) / camera.step_y
+    # Clipping is measured along the ray through the middle of the lens.
+    middle = 1.0
+    if not camera.orthographic:
+        middle = 1.0 / math.sqrt(1.0 + across * across + above * above)
+    before = camera.clip_start / middle
+    reach = (camera.clip_end - camera.clip_start) / middle
+    cosine = dot(d, forward)
+    area = camera.step_x * camera.step_y * cosine
+    if not camera.orthographic:
+        area *= cosine * cosine
+    return x, y, along(origin, d, before), d, before, reach, 1.0 / area

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.vector import Vector, vector
+from ..geometry.vector import Vector, scale, store, vector
 from ..jit import Row, Table, kernel
 from ..photons.gather import gather_irradiance
 from ..photons.sight import SECTORS
@@ -81,6 +81,7 @@ def gather_caustics(
     borders: Row,
     radii: Table,
     crowd: Row,
+    connected: Table,
     vertices: Table,
     count: int,
     samples: Table,
@@ -89,11 +90,15 @@ def gather_caustics(
     """Add the caustic layer at ``count`` vertices.
 
     ``radii``: (pixels per footprint, least, most) of this pass, the latter two in metres;
-    ``sight`` (SIGHT,) is overwritten.
+    ``connected`` (n,): the part that connections have brought where the camera sees a vertex at
+    once, (0,) for none; ``sight`` (SIGHT,) is overwritten.
     """
     for k in range(count):
         vertex = vertices[k]
-        p, ng = vector(vertex.p), vector(vertex.ng)
+        p, ng, beta = vector(vertex.p), vector(vertex.ng), vector(vertex.beta)
         radius = crowded_radius(camera, radii, crowd, p, ng, vertex.length, sight)
         sample = samples[vertex.slot]
+        if vertex.depth == 1 and len(connected) > 0:
+            store(vertex.beta, scale(beta, 1.0 - connected[vertex.slot]))
         add_estimate(sample.caustics, sample, vertex, lobes, photon_map, borders, radius, sight)
+        store(vertex.beta, beta)

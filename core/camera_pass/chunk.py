@@ -25,13 +25,15 @@ from .first_hit import step_first_hits
 from .focus import gather_focus
 from .indirect import gather_indirect, gather_order, start_gather
 from .kinds import KindLight, add_rows
+from .light_image import LightImage
 from .near import NEAR, add_as_indirect, begin_again, ends_near
 from .next_event import light_directly
 from .patches import own_patches
-from .paths import start_paths, step_paths
+from .paths import step_paths
 from .pixels import Pixels, Region
 from .rays import Lit, Rays
 from .records import VERTEX
+from .start import start_paths
 from .tree import split, thin_out
 
 
@@ -43,7 +45,7 @@ class PhotonMaps(NamedTuple):
     ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m]; ``salt``: a
     number of its own. ``counted``: the maps to ask how many photons there are, None when no
     layer tells it. ``focus``: what crowded places send out, None without, with discs of
-    ``focus_radii``, as those of caustics.
+    ``focus_radii``, as those of caustics. ``connected``: caustics by the light image, or None.
     """
 
     caustic: PhotonMap | None
@@ -61,6 +63,7 @@ class PhotonMaps(NamedTuple):
     counted: DensityMaps | None = None
     focus: PhotonMap | None = None
     focus_radii: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    connected: LightImage | None = None
 
 
 class Chunk(NamedTuple):
@@ -96,9 +99,12 @@ def trace_chunk(
         samples = kinds.samples
     rays.traced += light_directly(prepared, settings, lit, maps.shadows, samples, kinds)
     ends = wide_only(lit)
-    gathered = 0
+    gathered, connected = 0, np.zeros(0)
+    if maps.connected is not None:
+        connected, light = maps.connected.at(pixels.ids)
+        samples["caustics"] += light
     if len(ends.vertices):
-        gathered = _gather(prepared, settings, ends, maps, samples, kinds)
+        gathered = _gather(prepared, settings, ends, maps, samples, kinds, connected)
         rays.traced += gathered
     first_hits = aovs = None
     if prepared.first_hits is not None:
@@ -121,18 +127,20 @@ def _gather(
     maps: PhotonMaps,
     samples: NDArray[np.void],
     kinds: KindLight | None,
+    connected: NDArray[np.float64],
     level: int = 0,
     sent: int = 0,
 ) -> int:
     """Light by photons, at ``ends`` and where gather rays from there end; rays traced.
 
-    ``level``: gathers so far, ``sent``: rays from a place in the first of them.
+    ``connected``: see ``gather_caustics``. ``level``: gathers so far, ``sent``: rays from a
+    place in the first of them.
     """
     if maps.caustic is not None:
         asked = (prepared.camera, maps.caustic, maps.caustic_borders, maps.caustic_radii)
         gather_caustics(
-            ends.lobes, *asked, maps.crowd, ends.vertices, len(ends.vertices), samples,
-            np.zeros(SIGHT),
+            ends.lobes, *asked, maps.crowd, connected, ends.vertices, len(ends.vertices),
+            samples, np.zeros(SIGHT),
         )  # fmt: skip
         if kinds:
             kinds.add_photons(ends, *asked, samples["caustics"])
@@ -188,7 +196,8 @@ def _gather_near(
     if (settings.gather_rays, settings.light_samples) != (1, 1):
         settings = replace(settings, gather_rays=1, light_samples=1)
     rays = light_directly(prepared, settings, near, maps.shadows, light, None)
-    rays += _gather(prepared, settings, near, maps, light, None, level + 1, sent)
+    none = np.zeros(0)
+    rays += _gather(prepared, settings, near, maps, light, None, none, level + 1, sent)
     add_as_indirect(light, slots, rows)
     return rays
 

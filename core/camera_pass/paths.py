@@ -9,18 +9,15 @@ import numpy as np
 from ..bsdf.dispatch import NARROW, WIDE, albedo_nonspecular, lobe_weights, part_bit
 from ..bsdf.hit import meet, shade
 from ..bsdf.scatter import goes_through, has_rough_narrow, scatter
-from ..camera.lens import camera_ray
 from ..geometry.interaction import leave
 from ..geometry.media import copy_media, cross_surface, current_medium, transmittance
 from ..geometry.vector import Vector, dot, read, scale, store, subtract, vector
 from ..jit import Row, Table, kernel
-from ..sampling.rng import CAMERA, camera_2d, mix, stream, uniform
+from ..sampling.rng import camera_2d, mix, uniform
 from ..scene.tables import Visibility
 from .records import (
     CHAIN,
     CHAIN_STEP,
-    FILTER,
-    LENS,
     REFLECTED,
     STEP_AROUND,
     STEP_EVENT,
@@ -36,63 +33,6 @@ _HOLDOUT = int(Visibility.HOLDOUT)
 MOST_STEPS = 4096
 #: A number that is never below the share that glass reflects, total reflection apart.
 _REFRACTING = 1.0 - 1e-15
-
-
-@kernel
-def start_paths(
-    camera: Row,
-    camera_media: Table,
-    x0: int,
-    y0: int,
-    width: int,
-    image_width: int,
-    seed: int,
-    ids: Table,
-    numbers: Table,
-    origins: Table,
-    directions: Table,
-    paths: Table,
-) -> None:
-    """Camera rays of pixels ``ids`` (n,) of a region, the paths ``numbers`` (n,) of them.
-
-    The region begins at pixel (x0, y0) and is ``width`` wide. A pixel's random numbers
-    hang on its place in the whole image, so a border render shows the same picture.
-    """
-    for k in range(len(ids)):
-        pixel = ids[k]
-        i = numbers[k]
-        x = x0 + pixel % width
-        y = y0 + pixel // width
-        key = stream(seed, CAMERA, i, y * image_width + x)
-        pixel_key = stream(seed, CAMERA, -1, y * image_width + x)
-        u_x, u_y = camera_2d(i, pixel_key, FILTER)
-        u_lens = v_lens = 0.5
-        if camera.lens_radius > 0.0:
-            u_lens, v_lens = camera_2d(i, pixel_key, LENS)
-        o, d, before, reach = camera_ray(camera, x, y, u_x, u_y, u_lens, v_lens)
-        path = paths[k]
-        path.key = key
-        path.pixel_key = pixel_key
-        path.slot = k
-        path.number = i
-        path.depth = 0
-        path.steps = 0
-        path.forced = 0
-        path.portion = 1.0
-        path.event = _CAMERA_BIT
-        path.length = before
-        path.begun = 0.0
-        path.reach = reach
-        path.since = 0.0
-        path.pdf_w = 0.0
-        store(path.beta, (1.0, 1.0, 1.0))
-        store(path.direction, d)
-        store(path.origin, o)
-        path.media_count = camera_media[0]
-        for j in range(camera_media[0]):
-            path.media[j] = camera_media[1 + j]
-        store(origins[k], o)
-        store(directions[k], d)
 
 
 @kernel

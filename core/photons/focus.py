@@ -235,5 +235,5 @@ def parted(walks: list[Walk]) -> tuple[list[Walk], list[Walk]]:
         others.append(walk._replace(photons=walk.photons[~apart], order=walk.order[~apart]))
         rows = walk.photons[apart]
         rows["part"] = WIDE
-        focused.append(walk._replace(photons=rows, order=walk.order[apart], rays=0))
+        focused.append(walk._replace(photons=rows, order=walk.order[apart], rays=0, seen=None))
     return others, focused

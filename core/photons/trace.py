@@ -60,11 +60,12 @@ _MOST_STEPS = 4096
 
 
 class Walk(NamedTuple):
-    """What a batch of photon paths left: stored photons, their order, rays traced."""
+    """A batch's photons, their order, rays traced; those ``seen`` at once by the camera."""
 
     photons: NDArray[np.void]
     order: NDArray[np.int64]
     rays: int
+    seen: NDArray[np.void] | None = None
 
 
 class Watcher(Protocol):

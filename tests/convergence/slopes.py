@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from photon_map.core import Settings, render
+from photon_map.core.camera_pass import light_image
 from photon_map.core.photons.photon_map import Crowd
 from photon_map.core.pilot import Radii
 from photon_map.core.scene.builder import SceneBuilder, diffuse
@@ -69,7 +70,18 @@ def even_discs() -> Iterator[None]:
         crowd = crowd_of(radii, emitted)
         return crowd and crowd._replace(factor=0.0)
 
-    with patch.object(Radii, "crowd_of", empty):
+    with patch.object(Radii, "crowd_of", empty), discs_alone():
+        yield
+
+
+@contextmanager
+def discs_alone() -> Iterator[None]:
+    """Renders within have no photons connected with the camera: discs bring all caustics."""
+
+    def none(so_far: Image) -> Image:
+        return np.zeros_like(so_far)
+
+    with patch.object(light_image, "connected_share", none):
         yield
 
 
@@ -126,16 +138,18 @@ def borders(size: int = 8) -> tuple[Scene, Image]:
     return scenes.furnace_box(0.5, 1.0, size), np.full((size, size), 0.5)
 
 
-#: What is rendered for each layer; "even discs" are caustics where none counts for crowded,
+#: What is rendered for each layer; "crowded discs" are caustics without connections, "even
+#: discs" those where none counts for crowded either,
 #: "borders" is the indirect layer where discs stick out.
 CASES: dict[str, Callable[[], tuple[Scene, Image]]] = {
-    "emission": emission, "direct": direct, "caustics": caustics, "even discs": caustics,
-    "indirect": indirect, "borders": borders,
+    "emission": emission, "direct": direct, "caustics": caustics,
+    "crowded discs": caustics, "even discs": caustics, "indirect": indirect, "borders": borders,
 }  # fmt: skip
 _OPTIONS: dict[str, dict[str, Any]] = {
     "emission": {"photons_global": 0, "photons_caustic": 0},
     "direct": {"photons_global": 0, "photons_caustic": 0},
     "caustics": {"photons_global": 0, "photons_caustic": 8192},
+    "crowded discs": {"photons_global": 0, "photons_caustic": 8192},
     "even discs": {"photons_global": 0, "photons_caustic": 8192},
     "indirect": {"photons_global": 8192, "photons_caustic": 0},
     "borders": {"photons_global": 8192, "photons_caustic": 0},
@@ -182,7 +196,8 @@ def measure(case: str, seeds: int = 8, passes: Sequence[int] = PASSES, **options
     """Render ``case`` with ``seeds`` seeds at each of ``passes`` and fit."""
     scene, truth = CASES[case]()
     chosen = {**_OPTIONS[case], **options}
-    layer = {"borders": "indirect", "even discs": "caustics"}.get(case, case)
-    with even_discs() if case == "even discs" else nullcontext():
+    layer = "caustics" if "discs" in case else "indirect" if case == "borders" else case
+    within = {"even discs": even_discs, "crowded discs": discs_alone}.get(case, nullcontext)
+    with within():
         runs = np.array([snapshots(scene, layer, passes, k, **chosen) for k in range(seeds)])
     return slope_of(case, runs, truth, passes)

@@ -53,11 +53,21 @@ def test_crowded_discs_of_caustics_fall_as_one_over_the_passes():
     means of equal estimates, whose variance goes as 1 / i, with the bias of a small disc.
     Here n is about 350 under the pane, and the passes would be 80 000.
     """
-    found = measure("caustics", seeds=8)
+    found = measure("crowded discs", seeds=8)
     assert -1.05 <= found.slope <= -0.9
     assert found.high - found.low < 0.3
     assert found.last < -0.9
     # The bias that stays is that of discs of 8 photons in 350, a fortieth of the area.
+    assert (found.bias2 < 0.1 * found.mse).all()
+
+
+@pytest.mark.slow
+def test_connected_caustics_fall_as_one_over_the_passes():
+    """Photons connected with the camera blur nothing: noise alone is left."""
+    found = measure("caustics", seeds=8)
+    assert -1.15 <= found.slope <= -0.85
+    assert found.high - found.low < 0.3
+    assert found.last < -0.8, "it stops at a floor"
     assert (found.bias2 < 0.1 * found.mse).all()
 
 
