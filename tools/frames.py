@@ -53,6 +53,10 @@ class Frames:
         lines = [drawn.line for drawn in self.drawn if drawn.at > since]
         return int(lines[-1].split()[1].split("/")[0]) if lines else 0
 
+    def workers(self, since: float) -> set[int]:
+        """Those whose pictures were drawn after ``since``."""
+        return {drawn.worker for drawn in self.drawn if drawn.at > since}
+
     def first(self, since: float, old: int) -> Drawn | None:
         """The first picture after ``since`` by another worker than ``old``."""
         for drawn in self.drawn:

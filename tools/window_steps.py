@@ -155,16 +155,36 @@ def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
     for view in views():
         show_rendered(view)
     yield from until(
-        lambda: len({drawn.worker for drawn in frames.drawn if drawn.at > begin}) >= 2,
+        lambda: len(frames.workers(begin)) >= 2,
         "pictures in two viewports",
     )
     yield from frames.until(2, "in two viewports")
     pixels = shot("two_viewports")
     for k, view in enumerate(views()):
         found[f"split view {k}"] = {"contrast": float(cut(pixels, view).std())}
+    yield from quad_view(frames, found)
     for view in views():
         view.spaces.active.shading.type = "SOLID"
     yield 0.5
+
+
+def quad_view(frames: Frames, found: dict[str, Any]) -> Steps:
+    """Four views in one area, each with a worker of its own."""
+    area = max(views(), key=lambda a: a.width)
+    for view in views():
+        view.spaces.active.shading.type = "RENDERED" if view == area else "SOLID"
+    for turn in ("on", "off"):
+        with bpy.context.temp_override(window=window(), area=area, region=region_of(area)):
+            bpy.ops.screen.region_quadview()
+        yield 0.5
+        if turn == "off":
+            return
+        begin = time.monotonic()
+        yield from until(
+            lambda begin=begin: len(frames.workers(begin)) >= 4, "pictures in the quad view"
+        )
+        x, y = slice(area.x, area.x + area.width), slice(area.y, area.y + area.height)
+        found["quad view"] = {"contrast": float(shot("quad_view")[y, x].std())}
 
 
 def keep(name: str, picture: Any) -> None:
