@@ -75,6 +75,19 @@ class Frames:
         return self.drawn[-1].worker if self.drawn else 0
 
 
+def films(module: str) -> list[float]:
+    """When final renders show a picture from now on; grows."""
+    final: Any = importlib.import_module(f"{module}.addon.final")
+    original, shown = final.write_film, []
+
+    def write(*arguments: Any) -> None:
+        original(*arguments)
+        shown.append(time.monotonic())
+
+    final.write_film = write
+    return shown
+
+
 def until(condition: Callable[[], object], what: str, patience: float = PATIENCE) -> Steps:
     """Wait for ``condition``."""
     end = time.monotonic() + patience

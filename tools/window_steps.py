@@ -20,7 +20,7 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from frames import Frames, Steps, until  # type: ignore[import-not-found]
+from frames import Frames, Steps, films, until  # type: ignore[import-not-found]
 from likeness import parted  # type: ignore[import-not-found]
 from screenshots import (  # type: ignore[import-not-found]
     cut,
@@ -48,6 +48,11 @@ def views() -> list[Any]:
 def shot(name: str) -> Any:
     """What the window shows now; the whole display is kept under ``name``."""
     return screenshot(FOLDER / f"{name}.xwd")[-window().height :]
+
+
+def part(pixels: Any, area: Any) -> Any:
+    """What an area shows."""
+    return pixels[area.y : area.y + area.height, area.x : area.x + area.width]
 
 
 def show_rendered(area: Any) -> None:
@@ -183,8 +188,7 @@ def quad_view(frames: Frames, found: dict[str, Any]) -> Steps:
         yield from until(
             lambda begin=begin: len(frames.workers(begin)) >= 4, "pictures in the quad view"
         )
-        x, y = slice(area.x, area.x + area.width), slice(area.y, area.y + area.height)
-        found["quad view"] = {"contrast": float(shot("quad_view")[y, x].std())}
+        found["quad view"] = {"contrast": float(part(shot("quad_view"), area).std())}
 
 
 def keep(name: str, picture: Any) -> None:
@@ -239,18 +243,19 @@ def final(found: dict[str, Any]) -> Steps:
     yield 1.0
     pixels = shot("f12")
     pictures = [area for area in window().screen.areas if area.type == "IMAGE_EDITOR"]
-    found["F12"] = {"contrast": float(pixels.std()), "pictures": len(pictures)}
-    scene.photon_map.passes = 100_000
+    contrast = float(part(pixels, pictures[0]).std()) if pictures else 0.0
+    found["F12"] = {"contrast": contrast, "pictures": len(pictures)}
+    scene.photon_map.passes, shown = 100_000, films(MODULE)
     with bpy.context.temp_override(window=window()):
         bpy.ops.render.render("INVOKE_DEFAULT")
-    yield 4.0
+    yield from until(lambda: shown, "F12 shows nothing")
     begin = time.monotonic()
     press_escape()
     yield from until(lambda: "render_cancel" in ended, "Escape does not end F12", 60.0)
     seconds = round(ended["render_cancel"] - begin, 3)
     found["cancel"] = {"seconds": seconds, "load": os.getloadavg()[0]}
     yield 1.0
-    found["cancelled picture"] = {"contrast": float(shot("cancelled").std())}
+    found["cancelled picture"] = {"contrast": float(part(shot("cancelled"), pictures[0]).std())}
     for area in pictures:
         area.type = "VIEW_3D"
     yield 0.5

@@ -171,6 +171,8 @@ def judge(found: dict[str, Any]) -> None:
         )
     check(found["border"]["outside"] <= LEAST_CONTRAST, f"border: {found['border']}")
     check(found["F12"]["pictures"] == 1, "F12 shows no picture")
+    whole, kept = (found[name]["contrast"] for name in ("F12", "cancelled picture"))
+    check(kept >= 0.5 * whole, f"Escape keeps no picture: contrast {kept}, of F12 {whole}")
     escape = found["cancel"]
     shared = max(1.0, escape["load"] / (os.cpu_count() or 1))
     check(escape["seconds"] <= MOST_CANCEL * shared, f"Escape: {escape}")
