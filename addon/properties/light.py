@@ -4,6 +4,8 @@
 import bpy
 from bpy.props import FloatProperty
 
+from .tagging import tag_owner
+
 
 class PhotonMapLightProperties(bpy.types.PropertyGroup):
     """Settings of one lamp."""
@@ -18,4 +20,5 @@ class PhotonMapLightProperties(bpy.types.PropertyGroup):
         max=100.0,
         soft_min=0.1,
         soft_max=10.0,
+        update=tag_owner,
     )

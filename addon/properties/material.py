@@ -4,6 +4,8 @@
 import bpy
 from bpy.props import IntProperty
 
+from .tagging import tag_owner
+
 
 class PhotonMapMaterialProperties(bpy.types.PropertyGroup):
     """Settings of one material."""
@@ -17,4 +19,5 @@ class PhotonMapMaterialProperties(bpy.types.PropertyGroup):
         default=0,
         min=-100,
         max=100,
+        update=tag_owner,
     )

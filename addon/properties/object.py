@@ -4,6 +4,8 @@
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
+from .tagging import tag_owner
+
 
 class PhotonMapObjectProperties(bpy.types.PropertyGroup):
     """Settings of one object."""
@@ -13,11 +15,13 @@ class PhotonMapObjectProperties(bpy.types.PropertyGroup):
         description="Send photons to this object when its material is a mirror, clear glass or "
         "nearly so. Without, its caustics are missing and photons go to other objects",
         default=True,
+        update=tag_owner,
     )
     shows_caustics: BoolProperty(  # type: ignore[valid-type]
         name="Receive Caustics",
         description="Show the caustics that fall on this object; other light stays as it is",
         default=True,
+        update=tag_owner,
     )
     answer: StringProperty(  # type: ignore[valid-type]
         name="Answer",
