@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from photon_map.core.bsdf.dispatch import (
@@ -21,6 +20,7 @@ from photon_map.core.bsdf.dispatch import (
 )
 from photon_map.core.bsdf.fresnel import fresnel_dielectric, reflect, refract
 from photon_map.core.bsdf.resolve import MOST_LOBES, resolve
+from photon_map.core.jit import allocating_kernel as kernel
 from photon_map.core.scene.builder import SceneBuilder
 from photon_map.core.scene.lobes import Lobe
 from photon_map.core.scene.tables import LOBE
@@ -87,7 +87,7 @@ class Resolver:
         return Surface(_row(0, count), lobes, wo, eta, entering)
 
 
-@njit
+@kernel
 def draw(row, lobes, wo, entering, part, u):
     """(N, 9): possible, wi, weight, pdf_w, transmitted."""
     out = np.zeros((len(u), 9))
@@ -111,7 +111,7 @@ def samples(surface: Surface, part: int, count: int, rng: np.random.Generator) -
     )
 
 
-@njit
+@kernel
 def _total(row, lobes, wo, entering, u, out):
     wide, narrow = lobe_weights(row, lobes)
     for k in range(len(u)):
@@ -168,7 +168,7 @@ EDGES = np.concatenate(([0.0], np.geomspace(1e-3, math.pi, 14)))
 COLUMNS = 8
 
 
-@njit
+@kernel
 def _integrals(row, lobes, wo, part, t, s, n, up, edges, columns, fine):
     """Integral of ``pdf_part`` over each cell about ``n``, on one side of the plane."""
     out = np.zeros((len(edges) - 1, columns))
