@@ -122,7 +122,7 @@ def draw_flicker(
     for axis, picture, name, most, shades in zip(
         axes,
         (frame, traced, baked),
-        ("baked caustic, mean of 24 frames", "deviation in time, traced", "the same, baked"),
+        ("baked, mean of 24 frames", "deviation in time, traced", "the same, baked"),
         (top, worst, worst),
         ("gray", "magma", "magma"),
         strict=True,

@@ -98,7 +98,9 @@ class _Render:
         self.region = region
         self.plan = Plan.of(scene, settings)
         self.film = empty_film(settings, region.width, region.height)
-        self.density = PathDensity(region.width, region.height, settings.adaptive)
+        # Baked photons stand still from frame to frame if each pixel has a path a pass.
+        adaptive = settings.adaptive and not settings.photon_maps
+        self.density = PathDensity(region.width, region.height, adaptive)
         self.stop = threading.Event()
         self.pool = ThreadPoolExecutor(settings.thread_count, "photon_map", obey, (self.stop,))
         self.begin = time.perf_counter()

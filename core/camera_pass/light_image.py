@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..film.filters import covered_pixels
 from ..jit import Table, kernel
 from ..plan import Plan, Stage
 from .connections import SEEN, Connected
@@ -32,6 +33,8 @@ MARGIN = WINDOWS[-1] // 2
 ARRIVING = 0.25
 #: ... and everywhere if a smaller part arrives where it is not.
 WORTH = 0.01
+#: A filter that covers less of a pixel than this is left to discs.
+LEAST_COVERED = 0.25
 #: The images of all passes under way take this part of the photons' memory at most.
 MOST_MEMORY = 0.25
 
@@ -127,7 +130,11 @@ def expected_from(
     """What ``pilot``, photons connected with the pixels ``around(region)``, lets expect."""
     from scipy.ndimage import maximum_filter
 
-    counts = photons_around(pilot.seen, pilot.sent, region)
+    # A filter narrower than a pixel counts few of its photons, each with much weight.
+    covered = min(1.0, covered_pixels(filter_table))
+    if covered < LEAST_COVERED:
+        return no_connections(region, "the filter is narrower than half a pixel: discs alone")
+    counts = photons_around(pilot.seen, pilot.sent, region) * np.float32(covered)
     reach = math.ceil(filter_table[0, -1] - 0.5)
     some = counts.reshape(region.height, region.width) > 0.0
     wanted = maximum_filter(some.astype(np.uint8), 2 * reach + 1)

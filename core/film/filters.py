@@ -43,3 +43,12 @@ def filter_table(kind: PixelFilter, width: float) -> NDArray[np.float64]:
     middle = 0.5 * (edge[1:] + edge[:-1])
     cdf = np.concatenate([[0.0], np.cumsum(filter_profile(kind, middle))])
     return np.stack([edge * width * SUPPORT[kind], cdf / cdf[-1]])
+
+
+def covered_pixels(table: NDArray[np.float64]) -> float:
+    """Pixels of an even square whose photons scatter as much as those that the filter weighs.
+
+    The square of 1 / integral of f^2 of ``filter_table``'s density f along one axis.
+    """
+    step = (table[0, -1] - table[0, 0]) / (table.shape[1] - 1)
+    return float((step / (np.diff(table[1]) ** 2).sum()) ** 2)

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from photon_map.core import Settings, bake, render
+from photon_map.core import Settings, bake, render, renderer
 from photon_map.core.baking import bake as baking
 from photon_map.core.baking.fingerprint import changes, fingerprint
 from photon_map.core.baking.maps_file import BakeError, MapsFile
 from photon_map.core.film.film import Film
+from photon_map.core.path_density import PathDensity
 from photon_map.core.photon_pass import trace_batch
 from photon_map.core.pilot import PILOT_PASS
 from photon_map.core.sampling.rng import REPLICATES
@@ -55,6 +56,23 @@ def test_a_baked_render_has_the_bits_of_a_traced_one(scene: Scene, maps: Path):
     assert traced.film.resolve("caustics").max() > 0
     assert baked.film.statistics.rays < traced.film.statistics.rays
     assert stage_of(baked) == (True, "4 passes from 'box.pmap'")
+
+
+def test_pixels_have_a_path_a_pass_each_with_a_bake(
+    scene: Scene, maps: Path, monkeypatch: pytest.MonkeyPatch
+):
+    # Paths where the noise of a frame is would weigh other passes' photons in each frame.
+    asked: list[bool] = []
+
+    class Listening(PathDensity):
+        def __init__(self, width: int, height: int, adaptive: bool) -> None:
+            asked.append(adaptive)
+            super().__init__(width, height, adaptive)
+
+    monkeypatch.setattr(renderer, "PathDensity", Listening)
+    for path in ("", str(maps)):
+        last_of(scene, replace(SETTINGS, photon_maps=path))
+    assert asked == [True, False]
 
 
 def test_no_photon_of_a_pass_is_traced_with_a_bake(

@@ -25,7 +25,7 @@ from photon_map.core.camera_pass.light_image import (
     why_not,
 )
 from photon_map.core.camera_pass.pixels import Region
-from photon_map.core.film.filters import filter_table
+from photon_map.core.film.filters import covered_pixels, filter_table
 from photon_map.core.film.layers import KIND_COLORS
 from photon_map.core.photon_memory import Budget, Stored
 from photon_map.core.scene.builder import SceneBuilder, dielectric, diffuse
@@ -49,6 +49,32 @@ def test_the_filters_density_is_that_of_its_offsets(kind, rng):
     found = values[inside].sum() * 2.2 * reach / 6000
     assert found == pytest.approx(share[1] - share[0], rel=2e-3)
     assert density(table, 1.01 * reach) == density(table, -1.01 * reach) == 0.0
+
+
+def test_a_filter_covers_as_many_pixels_as_its_square_has():
+    for width in (0.01, 1.0, 2.5):
+        assert covered_pixels(filter_table("BOX", width)) == pytest.approx(width**2)
+    # The window's equivalent noise bandwidth is 2.0044 (Harris 1978, table 1); 3 pixels here.
+    found = covered_pixels(filter_table("BLACKMAN_HARRIS", 1.5))
+    assert found == pytest.approx((3.0 / 2.0044) ** 2, rel=1e-3)
+
+
+def test_few_photons_of_a_narrow_filter_give_way_to_discs(monkeypatch: pytest.MonkeyPatch):
+    """Scatter of pixels over 8 seeds, with what the filter covers and with whole pixels."""
+    scene, settings = pane(), replace(ALONE, passes=8, pixel_filter="BOX", filter_width=0.51)
+
+    def scatter() -> float:
+        seeds = [replace(settings, seed=k) for k in range(8)]
+        films = [last_of(scene, one).film.resolve("caustics")[..., :3] for one in seeds]
+        return float(np.std(films, axis=0).mean() / np.mean(films))
+
+    mixed = scatter()
+    with monkeypatch.context() as patched:
+        patched.setattr(light_image, "covered_pixels", lambda table: 1.0)
+        assert scatter() > 1.2 * mixed, "a whole pixel's photons would make the same noise"
+    none = last_of(scene, replace(settings, filter_width=0.4)).plan
+    (stage,) = [stage for stage in none.stages if stage.name == "connections"]
+    assert not stage.on and "half a pixel" in stage.reason
 
 
 def test_discs_give_way_as_photons_come():
