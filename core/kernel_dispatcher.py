@@ -108,7 +108,9 @@ class _Whole(JITCodeLibrary):
             if function.linkage == Linkage.linkonce_odr and not function.is_declaration:
                 # Nobody else calls it: LLVM then drops the arguments that it does not use. A
                 # table is seven words, the lights are two hundred, and each call pushed them.
-                function.linkage = "internal"
+                # Private, as the name of an internal one stays known to the loader, which
+                # would take it for what plain Numba functions call, arguments missing.
+                function.linkage = "private"
         super().finalize()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import textwrap
@@ -114,6 +115,42 @@ def test_a_kernel_is_called_by_python_kernels_and_plain_numba_alike():
     # What only kernels call has no machine code of its own.
     assert not _doubled._wholes
     assert _doubled(2.0) == 4
+
+
+@kernel
+def _long(a, b, x):
+    """Too long to be taken in, so that calls of it stay calls."""
+    s = 0.0
+    for k in range(int(b)):
+        s += math.sin(x * k) / (1.0 + k)
+        if s > a:
+            s -= math.cos(x + a) * math.exp(-x) * math.log(2 + k * x)
+        for j in range(k):
+            s += math.sqrt(abs(s * j)) * 1e-3
+            if s > 10 * b:
+                s = math.atan2(s, x + j)
+    for j in range(int(a)):
+        s += math.sqrt(abs(s * j)) * 1e-3
+        if s > b:
+            s = math.atan2(s, x + j)
+        s += math.sin(x * j) / (1.0 + j)
+        if s > a:
+            s -= math.cos(x + a) * math.exp(-x) * math.log(2 + j * x)
+    return s
+
+
+def test_what_a_kernel_makes_of_its_parts_is_its_own():
+    @kernel
+    def same_numbers(x):
+        return _long(5.0, 3.0, x) + _long(5.0, 3.0, 2 * x) + _long(5.0, 3.0, x * x)
+
+    @njit
+    def others(x):
+        return _long(1.0, 2.0, x) + _long(7.0, 1.0, x) + _long(2.0, 2.0, x * x)
+
+    # It knows that two of the arguments are 5 and 3, and drops them.
+    assert same_numbers(0.5) == pytest.approx(same_numbers.py_func(0.5), rel=1e-12)
+    assert others(0.5) == pytest.approx(others.py_func(0.5), rel=1e-12)
 
 
 def test_only_what_python_calls_is_written_to_the_cache(tmp_path):
