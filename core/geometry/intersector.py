@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import ctypes
 from concurrent.futures import CancelledError
 from copy import copy
+from functools import cache
 from importlib import metadata
 from threading import Event
 from typing import NamedTuple
 
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore import EmbreeDevice
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
@@ -27,6 +30,19 @@ def check_version(version: str) -> None:
             f"embreex {version} is too old, Photon Map needs 4.4 or newer: pip install "
             "'embreex>=4.4' (there are wheels for 64-bit Linux, Windows and macOS)"
         )
+
+
+@cache
+def device() -> EmbreeDevice:
+    """Embree for all scenes, to the end of the process.
+
+    A scene that is freed tells its device so. With a device of its own, Python's collector
+    frees that first where the scene is in a cycle (the traceback of a cancelled render is
+    one): Blender 5.2 crashed.
+    """
+    made = EmbreeDevice()
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(made))
+    return made
 
 
 class Hits(NamedTuple):
@@ -49,7 +65,7 @@ class Intersector:
         self._stop = stop or Event()
         self._scene = None
         if len(mesh.faces):
-            self._scene = EmbreeScene()
+            self._scene = EmbreeScene(device())
             TriangleMesh(self._scene, mesh.vertices, mesh.faces)
             # The scene commits inside the first query: it must not happen in two threads.
             probe = np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32)
@@ -61,9 +77,14 @@ class Intersector:
         other._stop = stop or Event()
         return other
 
+    def go_on(self) -> None:
+        """Raise ``CancelledError`` once the render is stopped, for long work between rays."""
+        if self._stop.is_set():
+            raise CancelledError
+
     def nearest(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> Hits:
         """First hit of each ray; origins and directions (N, 3) f4, any length."""
-        self._go_on()
+        self.go_on()
         count = len(origins)
         if self._scene is None or count == 0:
             nothing = np.zeros(count, np.float32)
@@ -81,13 +102,9 @@ class Intersector:
 
         ``lengths`` (N,) f4, in multiples of the direction; its content is lost.
         """
-        self._go_on()
+        self.go_on()
         if self._scene is None or len(origins) == 0:
             return np.ones(len(origins), np.bool_)
         found = self._scene.run(origins, directions, lengths, query="OCCLUDED")
         free: NDArray[np.bool_] = found != 0
         return free
-
-    def _go_on(self) -> None:
-        if self._stop.is_set():
-            raise CancelledError

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import gc
+import sys
 from concurrent.futures import CancelledError
 from threading import Event
 
 import numpy as np
 import pytest
 
-from photon_map.core.geometry.intersector import Intersector, check_version
+from photon_map.core.geometry.intersector import Intersector, check_version, device
 from photon_map.core.geometry.mesh import centre_of, centred_mesh
 from photon_map.core.scene.builder import SceneBuilder, diffuse
 from photon_map.tests import scenes
@@ -57,3 +59,21 @@ def test_old_embreex_is_refused():
     with pytest.raises(ImportError, match="4.4"):
         check_version("2.17.7.post6")
     check_version("4.4.0.post1")
+
+
+def left_in_a_cycle():
+    """References to the device while two scenes are there, which nobody has afterwards."""
+    embree = [intersector()._scene for _ in range(2)]
+    devices = [gc.get_referents(scene)[0] for scene in embree]
+    embree.append(embree)
+    return all(other is device() for other in devices), sys.getrefcount(device()) - 2
+
+
+def test_all_scenes_have_one_device_that_outlives_them():
+    """One of its own is freed before a scene that is in a cycle: that crashed Blender."""
+    same, count = left_in_a_cycle()
+    gc.collect()
+    left = sys.getrefcount(device())
+    assert same
+    # The cache's, the call's, and one that nobody gives back.
+    assert left == count - 2 >= 3
