@@ -9,10 +9,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from .camera_pass.caustics import FOCUS_DISC
 from .camera_pass.chunk import PhotonMaps
 from .camera_pass.connections import connect
 from .camera_pass.density import DensityMaps
-from .camera_pass.focus import FOCUS_DISC
 from .camera_pass.light_image import (
     Expected,
     around,

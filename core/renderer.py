@@ -11,6 +11,7 @@ from dataclasses import replace
 from itertools import islice
 from typing import Any, NamedTuple, TypeVar
 
+from .ahead import compile_ahead
 from .aim_pass import aimed
 from .baking.bake import photon_source
 from .balance import (
@@ -103,14 +104,12 @@ class _Render:
         self.density = PathDensity(region.width, region.height, adaptive)
         self.stop = threading.Event()
         self.pool = ThreadPoolExecutor(settings.thread_count, "photon_map", obey, (self.stop,))
-        self.begin = time.perf_counter()
-        self.render_begin = self.begin
+        self.begin = self.render_begin = time.perf_counter()
         # Chunks queued at a time: enough for every thread, few enough for the memory.
         self.in_flight = 2 * settings.thread_count + 2
         self.compiling = True
         self.memory = PhotonMemory(settings)
-        self.error = UNKNOWN
-        self.error_passes = 0
+        self.error, self.error_passes = UNKNOWN, 0
 
     def updates(self) -> Iterator[Update]:
         """All phases."""
@@ -179,6 +178,7 @@ class _Render:
         return future.result()
 
     def _photons(self, prepared: Prepared) -> tuple[Prepared, PhotonSource, Afforded]:
+        self.pool.submit(compile_ahead, prepared, self.settings, self.plan, self.region)
         prepared, plan = self.kept.focused(prepared, self.settings, self.plan)
         prepared, plan = aimed(prepared, self.settings, plan, self.region)
         pixels = self.region.width * self.region.height

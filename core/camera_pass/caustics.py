@@ -17,6 +17,9 @@ from .estimate import add_estimate
 ENOUGH = 8
 #: ... and to what part of its first radius at least.
 LEAST_DISC = 0.05
+#: Radius of the discs of crowded places, in that of caustics: their light is smoother, the
+#: photons are fewer.
+FOCUS_DISC = 2.0
 
 
 @kernel
@@ -81,6 +84,7 @@ def gather_caustics(
     borders: Row,
     radii: Table,
     crowd: Row,
+    focused: bool,
     connected: Table,
     vertices: Table,
     count: int,
@@ -91,14 +95,20 @@ def gather_caustics(
 
     ``radii``: (pixels per footprint, least, most) of this pass, the latter two in metres;
     ``connected`` (n,): the part that connections have brought where the camera sees a vertex at
-    once, (0,) for none; ``sight`` (SIGHT,) is overwritten.
+    once, (0,) for none; ``sight`` (SIGHT,) is overwritten. ``focused``: add what crowded places
+    send (``photons.focus``) to the indirect layer, by their map and in discs of one size.
     """
     for k in range(count):
         vertex = vertices[k]
         p, ng, beta = vector(vertex.p), vector(vertex.ng), vector(vertex.beta)
-        radius = crowded_radius(camera, radii, crowd, p, ng, vertex.length, sight)
         sample = samples[vertex.slot]
+        layer = sample.caustics
+        if focused:
+            layer = sample.indirect
+            radius = disc_radius(camera, radii, vertex.length)
+        else:
+            radius = crowded_radius(camera, radii, crowd, p, ng, vertex.length, sight)
         if vertex.depth == 1 and len(connected) > 0:
             store(vertex.beta, scale(beta, 1.0 - connected[vertex.slot]))
-        add_estimate(sample.caustics, sample, vertex, lobes, photon_map, borders, radius, sight)
+        add_estimate(layer, sample, vertex, lobes, photon_map, borders, radius, sight)
         store(vertex.beta, beta)

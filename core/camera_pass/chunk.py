@@ -22,7 +22,6 @@ from ..settings import Settings
 from .caustics import gather_caustics
 from .density import DensityMaps, count_photons
 from .first_hit import step_first_hits
-from .focus import gather_focus
 from .indirect import gather_indirect, gather_order, start_gather
 from .kinds import KindLight, add_rows
 from .light_image import LightImage
@@ -139,14 +138,19 @@ def _gather(
     if maps.caustic is not None:
         asked = (prepared.camera, maps.caustic, maps.caustic_borders, maps.caustic_radii)
         gather_caustics(
-            ends.lobes, *asked, maps.crowd, connected, ends.vertices, len(ends.vertices),
-            samples, np.zeros(SIGHT),
+            ends.lobes, *asked, maps.crowd, False, connected, ends.vertices,
+            len(ends.vertices), samples, np.zeros(SIGHT),
         )  # fmt: skip
         if kinds:
             kinds.add_photons(ends, *asked, samples["caustics"])
     if maps.focus is not None:
         asked = (prepared.camera, maps.focus, maps.caustic_borders, maps.focus_radii)
-        gather_focus(ends.lobes, *asked, ends.vertices, samples, np.zeros(SIGHT))
+        # The same kernel as for caustics, where there are any: one fewer to compile.
+        crowd = maps.crowd or Crowd(maps.focus, 0.0, maps.focus_radii)
+        gather_caustics(
+            ends.lobes, *asked, crowd, True, np.zeros(0), ends.vertices, len(ends.vertices),
+            samples, np.zeros(SIGHT),
+        )  # fmt: skip
         if kinds:
             kinds.add_photons(ends, *asked, samples["indirect"])
     rays = Rays(prepared, len(ends.vertices) * settings.rays_each)

@@ -16,6 +16,7 @@ from numba.core import event
 
 from photon_map.core import jit
 from photon_map.core.jit import fingerprint, kernel, obey
+from photon_map.core.kernel_library import Task
 
 
 def run(folder, cache):
@@ -200,3 +201,91 @@ def test_a_cancelled_render_compiles_no_further_kernel():
         assert not unknown._wholes
         assert pool.submit(known, 1.0).result() == 2.0, "what is there can be called"
     assert unknown(1.0) == 3.0, "other threads may go on"
+
+
+def test_other_threads_compile_while_machine_code_is_made(monkeypatch):
+    @kernel
+    def first(x):
+        return _doubled(x) + 1.0
+
+    @kernel
+    def second(x):
+        return _doubled(x) + 2.0
+
+    make, seen = Task.run, []
+
+    def run(task):
+        if not seen:
+            seen.append(None)
+            with ThreadPoolExecutor(1) as pool:
+                seen[0] = pool.submit(second, 1.0).result(timeout=60)
+        make(task)
+
+    monkeypatch.setattr(Task, "run", run)
+    assert first(1.0) == 3.0
+    assert seen == [4.0]
+
+
+def test_two_threads_that_want_a_kernel_compile_it_once():
+    @kernel
+    def wanted(x):
+        return _doubled(x) + 3.0
+
+    with event.install_recorder("numba:compile") as recorder:
+        with ThreadPoolExecutor(4) as pool:
+            assert list(pool.map(wanted, [1.0] * 8)) == [5.0] * 8
+    assert sum(e.is_start for _, e in recorder.buffer) == 1
+
+
+def test_constants_mean_what_they_mean_to_numba():
+    """What calls mean is remembered, and constant numbers count as any, but for powers."""
+
+    def calculated(x, k, pair, rows):
+        third = (x, 3, x + 1)[2]
+        rows[0, 1] = rows[1, 0] + pair[1]
+        for j in range(2, 8, k):
+            third += x**2 + x**-3 + x**k + 7 % 4 + k // 2 + 5 / 2 + pow(2, k) + pow(x, 3)
+            third += max(k, 1) + min(x, 2) + abs(-3) + int(2.7) + rows[j % 2, 1]
+        return third + (k < 3) + (1 if 2 == k else 0) + math.hypot(3, 4) + round(x)
+
+    rows = [np.arange(4.0).reshape(2, 2) for _ in range(2)]
+    told = (1.5, 2, (4, 2.5))
+    assert kernel(calculated)(*told, rows[0]) == calculated(*told, rows[1])
+    assert (rows[0] == rows[1]).all()
+
+
+def test_kernels_raise_also_when_they_come_from_the_cache(tmp_path):
+    sources, cache = tmp_path / "sources", tmp_path / "cache"
+    sources.mkdir()
+    (sources / "caller.py").write_text(
+        """
+from photon_map.core.jit import allocating_kernel, kernel
+import numpy as np
+
+@kernel
+def checked(x):
+    if x < 0.0:
+        raise ValueError("below nothing")
+    return 2.0 * x
+
+@kernel
+def told(x):
+    return checked(x) + 1.0
+
+@allocating_kernel
+def summed(x):
+    return np.full(3, checked(x)).sum()
+
+def twice(x):
+    for one in (told, summed):
+        try:
+            one(-x)
+        except ValueError as error:
+            assert "below nothing" in str(error)
+        else:
+            raise AssertionError
+    return told(x) + summed(x)
+"""
+    )
+    assert run(sources, cache) == 41
+    assert run(sources, cache) == 41

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -104,10 +105,13 @@ def test_a_focus_makes_less_noise():
 
 
 def test_nothing_of_it_is_called_where_no_place_is_bright(monkeypatch: pytest.MonkeyPatch):
-    def fail(*_: object) -> None:
-        raise AssertionError("called")
+    gather = chunk.gather_caustics
 
-    monkeypatch.setattr(chunk, "gather_focus", fail)
+    def watched(*arguments: Any) -> None:
+        assert not arguments[6], "called"
+        gather(*arguments)
+
+    monkeypatch.setattr(chunk, "gather_caustics", watched)
     *_, last = render(scenes.cornell_glass(8), replace(FEW, passes=1, focus=False))
     assert not any(stage.name == "focus" for stage in last.plan.stages)
     with pytest.raises(AssertionError, match="called"):
