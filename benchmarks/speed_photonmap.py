@@ -1,8 +1,8 @@
 """Photon Map from its core, as the benchmark runs it.
 
-The kernels are loaded by a first render of one pass. The clock counts rendering and the
-pilot pass, which is measured by itself; building the ray tracer is left out, as it is of
-the peers. Beside the images at the times asked for there is one at each power of two of
+The kernels are loaded by a first render of one pass. The clock counts all that comes after
+the building of the ray tracer, which is left out, as it is of the peers: every pilot, and
+rendering. Beside the images at the times asked for there is one at each power of two of
 the passes, and with each what the engine says of its own error.
 """
 
@@ -10,17 +10,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
+from threading import Event
 from typing import Any
 
 import numpy as np
 from measure import Image
 
-from photon_map.core import Scene, Settings, render
-from photon_map.core.camera_pass.pixels import Region
+from photon_map.core import Kept, Scene, Settings, render
 from photon_map.core.geometry.intersector import Intersector
-from photon_map.core.photon_pass import TracedPhotons, photon_batches, pilot_radii
-from photon_map.core.plan import Plan
-from photon_map.core.prepared import prepare
+from photon_map.core.prepared import Prepared
 from photon_map.core.version import ENGINE, VERSION
 
 ENDLESS = 10_000_000
@@ -60,6 +58,20 @@ class QueryClock:
         setattr(owner, name, timed)
 
 
+class Built(Kept):
+    """Keeps nothing, and tells when the ray tracer was built: ``seconds`` of the clock."""
+
+    def __init__(self) -> None:
+        super().__init__(0)
+        self.seconds = 0.0
+
+    def prepare(self, scene: Scene, settings: Settings, stop: Event) -> Prepared:
+        """As without a clock."""
+        prepared = super().prepare(scene, settings, stop)
+        self.seconds = time.perf_counter()
+        return prepared
+
+
 def snapshots(
     scene: Scene, engine: str, times: Sequence[float], seed: int, threads: int, ready: Any
 ) -> Iterator[tuple[float, Image, dict[str, float]]]:
@@ -70,19 +82,19 @@ def snapshots(
     for _ in render(scene, settings(seed, threads, passes=1)):
         pass
     ready()
-    pilot = pilot_seconds(scene, settings(seed, threads))
+    built = Built()
     waiting, powers, paused = list(times), list(PASSES), 0.0
     clock = QueryClock()
     for name in ("nearest", "is_free"):
         clock.watch(Intersector, name)
-    updates = render(scene, settings(seed, threads))
+    updates = render(scene, settings(seed, threads), built)
     begun = 0.0
     for update in updates:
         if update.phase == "setup":
             clock.spent.clear()
             begun = time.process_time()
             continue
-        seconds = pilot + update.seconds - paused
+        seconds = time.perf_counter() - built.seconds - paused
         if not update.passes or (seconds < waiting[0] and update.passes < powers[0]):
             continue
         stopped, worked = time.perf_counter(), time.process_time()
@@ -104,13 +116,3 @@ def snapshots(
         if not waiting:
             updates.close()
             return
-
-
-def pilot_seconds(scene: Scene, chosen: Settings) -> float:
-    """What the pilot pass of a render takes."""
-    assert scene.camera is not None
-    prepared, region = prepare(scene, chosen), Region.of(scene.camera, chosen)
-    batches = photon_batches(Plan.of(scene, chosen), chosen, region.width * region.height)
-    begin = time.perf_counter()
-    pilot_radii(prepared, chosen, region, TracedPhotons(prepared, chosen, batches))
-    return time.perf_counter() - begin

@@ -13,14 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera_pass.chunk import trace_camera, wide_only
-from .camera_pass.pixels import Pixels, Region
-from .camera_pass.rays import Rays
-from .film.film import SAMPLE
+from .camera_pass.pixels import Region
 from .photon_pass import Batch, trace_batch
 from .photons.aim import Aim
 from .photons.emission_histogram import BINS, CASTERS, CELLS, find_bins, histogram_of
+from .photons.trace import Walk
 from .pilot import PILOT_PASS
+from .pilot_pass import CrowdLook
 from .plan import Plan, Stage
 from .prepared import Prepared
 from .sampling.distributions import cumulative
@@ -32,8 +31,6 @@ AIM_PASS = PILOT_PASS + 6
 #: Photons that teach, and those that see what it brings; a power of two each, so that both
 #: are nets of their own.
 PHOTONS = 8192
-#: Pixels looked at, at most.
-PIXELS = 4096
 #: Share of a render's caustic photons that may go into learning.
 EFFORT = 0.25
 #: A light with fewer photons than this is aimed evenly.
@@ -46,6 +43,8 @@ FLOOR = 0.25
 LANDING = 3.0
 #: Learnt aim must leave less than this part of the variance times time of photons.
 PAYS = 0.85
+#: The pilot's photons must promise this before others are asked.
+PROMISES = 0.95
 #: Views in a disc as wide as they lie apart; by more than a pixel, as they are few.
 _APART = 5
 
@@ -72,16 +71,25 @@ def wants_aim(settings: Settings, plan: Plan, region: Region) -> bool:
 
 
 def aimed(
-    prepared: Prepared, settings: Settings, plan: Plan, region: Region
+    prepared: Prepared,
+    settings: Settings,
+    plan: Plan,
+    views: NDArray[np.float64],
+    crowd: CrowdLook,
 ) -> tuple[Prepared, Plan]:
-    """``prepared`` with learnt aim if that pays, and the plan with a line that says so."""
-    if not wants_aim(settings, plan, region):
-        return prepared, plan
-    told = ask_photons(prepared, settings, region)
-    first = learnt(prepared.aim, told.part(slice(0, PHOTONS)))
-    left = left_of_error(prepared.aim, first, told.part(slice(PHOTONS, None)))
+    """``prepared`` with learnt aim if that pays, and the plan with a line that says so.
+
+    ``views`` (P, 3): where the camera would see a caustic. ``crowd``: the pilot's caustic
+    photons; no others are asked unless these promise something.
+    """
+    told = told_by(prepared, settings, PILOT_PASS, crowd.walk, crowd.number, views)
+    left = _left_when_learnt(prepared.aim, told)
+    pays = left < PROMISES
+    if pays:
+        told = ask_photons(prepared, settings, views)
+        left = _left_when_learnt(prepared.aim, told)
+        pays = left < PAYS
     share = f"{100.0 * left:.0f} % of the variance of caustic photons is left"
-    pays = left < PAYS
     if pays:
         prepared = prepared._replace(aim=learnt(prepared.aim, told))
     else:
@@ -89,32 +97,39 @@ def aimed(
     return prepared, plan._replace(stages=(*plan.stages, Stage("photon aim", pays, share)))
 
 
-def ask_photons(prepared: Prepared, settings: Settings, region: Region) -> Told:
+def ask_photons(prepared: Prepared, settings: Settings, views: NDArray[np.float64]) -> Told:
     """What the photon paths of a pass of their own bring to places that are seen."""
     count = 2 * PHOTONS
-    entry, bins = np.zeros((2, count), np.int32)
-    find_bins(prepared.aim.light_cdf, settings.seed, PHOTON_CAUSTIC, AIM_PASS, entry, bins)
     walk = trace_batch(prepared, settings, AIM_PASS, Batch(True, 0, count, count))
+    return told_by(prepared, settings, AIM_PASS, walk, count, views)
+
+
+def told_by(
+    prepared: Prepared,
+    settings: Settings,
+    i: int,
+    walk: Walk,
+    count: int,
+    views: NDArray[np.float64],
+) -> Told:
+    """What ``walk``, ``count`` caustic photons of pass ``i``, brings to ``views`` (P, 3)."""
+    entry, bins = np.zeros((2, count), np.int32)
+    find_bins(prepared.aim.light_cdf, settings.seed, PHOTON_CAUSTIC, i, entry, bins)
     path = walk.order // settings.photon_depth
     photons = walk.photons
     flux = photons["flux"].mean(axis=1).astype(np.float64)
-    views = _views(prepared, settings, region)
     seen = _seen(photons["position"].astype(np.float64), views)
     adds = np.bincount(path, flux * seen, minlength=count)
     lands = np.bincount(path, minlength=count) > 0
     return Told(entry, bins, np.asarray(adds**2), np.where(lands, LANDING, 1.0))
 
 
-def _views(prepared: Prepared, settings: Settings, region: Region) -> NDArray[np.float64]:
-    """Places (P, 3) where the camera would see a caustic."""
-    total = region.width * region.height
-    stride = max(1, total // PIXELS)
-    pixels = Pixels.spread(AIM_PASS, total // stride, stride=stride)
-    samples = np.zeros(pixels.paths, SAMPLE)
-    ends = trace_camera(
-        prepared, settings, region, pixels, Rays(prepared, pixels.paths), samples
+def _left_when_learnt(aim: Aim, told: Told) -> float:
+    """What is left for the second half of the photons when the first has taught."""
+    half = len(told.entry) // 2
+    return left_of_error(
+        aim, learnt(aim, told.part(slice(0, half))), told.part(slice(half, None))
     )
-    return np.asarray(wide_only(ends).vertices["p"].copy())
 
 
 def _seen(places: NDArray[np.float64], views: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -47,9 +47,11 @@ GATHER_RAYS = (1, 2, 4, 8, 16)
 LIGHT_SAMPLES = (1, 2, 4)
 PHOTON_FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 #: Microseconds on one core of the machine that this was measured on; their ratios count: a
-#: ray with the surface that it meets, a point of a light with its shadow ray, the photons at
-#: the end of a gather ray, a photon stored, a pixel.
-RAY, LIGHT, QUERY, STORED, PIXEL = 0.55, 0.55, 0.75, 0.3, 0.3
+#: camera ray with the surface that it meets, a point of a light with its shadow ray, a gather
+#: ray with the photons at its end, a photon's ray, a photon stored, sorted and found. Fitted to
+#: 55 passes of the benchmark's scenes; photons count by less than half of what they take, as
+#: their discs are smaller if there are more, and no noise tells of that bias.
+RAY, LIGHT, GATHER, PHOTON_RAY, STORED = 0.57, 0.2, 0.58, 0.35, 0.25
 #: Noise of the camera's samples falls faster than with the number of passes (Sobol points),
 #: so that less of it is left after some passes than a single one shows.
 CAMERA_LEFT = 0.6
@@ -193,14 +195,22 @@ def noise_of(seen: Look) -> Noise:
     one, two, three = (chunk.samples for chunk in (seen.first, seen.second, seen.third))
     total = [sum((rows[name] for name in _LAYERS), np.zeros(3)) for rows in (one, two, three)]
     mean = np.mean(total, axis=0)
-    weight = 1.0 / (mean**2 + _DARK * float(np.mean(mean)) ** 2 + 1e-300)
+    weight = _weight(mean, float(np.mean(mean)))
 
-    def spread(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-        return float(np.nanmean(0.5 * (a - b) ** 2 * weight))
+    # A place whose lamp one ray has missed is not dark: both draws tell how bright it is.
+    direct = 0.5 * (seen.direct.light.sum(axis=0) + seen.direct.gather.sum(axis=0))
+    lit = mean + direct - np.mean([rows["direct"] for rows in (one, two, three)], axis=0)
+    lit_weight = _weight(lit, float(np.mean(mean)))
+
+    def spread(
+        a: NDArray[np.float64], b: NDArray[np.float64], by: NDArray[np.float64] = weight
+    ) -> float:
+        return float(np.nanmean(0.5 * (a - b) ** 2 * by))
 
     photons = spread(one["caustics"], three["caustics"])
     camera = spread(one["direct"], two["direct"])
-    light, gather = spread(*seen.direct.light), spread(*seen.direct.gather)
+    light = spread(seen.direct.light[0], seen.direct.light[1], lit_weight)
+    gather = spread(seen.direct.gather[0], seen.direct.gather[1], lit_weight)
     camera = max(0.0, camera - light - gather)
     others = np.mean(mean) - np.mean(one["emission"] + two["emission"] + three["emission"]) / 3
     emission = seen.direct.emission[0], seen.direct.emission[1]
@@ -208,6 +218,10 @@ def noise_of(seen: Look) -> Noise:
     camera += max(0.0, spread(one["caustics"], two["caustics"]) - photons)
     gather += spread(one["indirect"], two["indirect"])
     return Noise(camera, light, gather, photons)
+
+
+def _weight(light: NDArray[np.float64], mean: float) -> NDArray[np.float64]:
+    return np.asarray(1.0 / (light**2 + _DARK * mean**2 + 1e-300))
 
 
 def _emission_noise(
@@ -243,11 +257,11 @@ def cost_of(seen: Look, region: Region) -> Cost:
     seeing = seen.first.rays * each - gathered - lit
     photons = {True: 0.0, False: 0.0}
     for batch, walk in zip(seen.batches, seen.walks, strict=True):
-        photons[batch.caustic] += walk.rays * RAY + len(walk.photons) * STORED
+        photons[batch.caustic] += walk.rays * PHOTON_RAY + len(walk.photons) * STORED
     return Cost(
-        camera=pixels * PIXEL + seeing * RAY + photons[False],
+        camera=seeing * RAY + photons[False],
         light=lit * LIGHT,
-        gather=gathered * (RAY + QUERY),
+        gather=gathered * GATHER,
         photons=photons[True],
     )
 
@@ -305,6 +319,17 @@ def balanced(
         photons_caustic=int(usual * found.photon_factor),
         caustic_radius=settings.caustic_radius * min(1.0, found.photon_factor ** (-1 / 6)),
     )
+
+
+def gather_share(seen: Look, settings: Settings) -> float:
+    """The part of a pass's noise, 0 to 1, that gather rays bring by ``balanced`` settings."""
+    noise = noise_of(seen)
+    usual = sum(batch.count for batch in seen.batches if batch.caustic)
+    factor = settings.photons_caustic / usual if usual and settings.photons_caustic > 0 else 1.0
+    gather = noise.gather / settings.gather_rays
+    others = CAMERA_LEFT * (noise.camera + noise.light / settings.light_samples)
+    whole = gather + others + noise.photons / factor
+    return gather / whole if whole > 0.0 else 0.0
 
 
 def stage_of(settings: Settings) -> Stage:

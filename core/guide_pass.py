@@ -8,6 +8,7 @@ them, then guided by what those have brought, which also tells how much that hel
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -23,13 +24,14 @@ from .camera_pass.pixels import Pixels, Region
 from .camera_pass.rays import Lit, Rays
 from .camera_pass.records import VERTEX
 from .film.film import SAMPLE
-from .guide_zones import Learnt, find_zones
+from .guide_zones import Learnt, Zones, find_zones
 from .photon_pass import PhotonSource, photon_maps
 from .photons.sight import SIGHT
 from .pilot import PILOT_PASS, Radii
 from .plan import Plan, Stage
 from .prepared import Prepared
 from .settings import USUAL_GATHER_RAYS, Settings
+from .steps import Steps
 
 #: Pass of the pilot's random numbers; no real pass reaches it.
 GUIDE_PASS = PILOT_PASS + 3
@@ -39,11 +41,16 @@ PIXELS = 4096
 TOGETHER = 2
 #: So many times by the BSDF, then guided to see whether that pays, and if so at most.
 PLAIN, PROBE, MOST = 2, 2, 6
+#: Parts that the places are asked in, side by side.
+PARTS = 4
 #: Share of a render's gather rays that may go into learning.
 EFFORT = 0.125
 #: The probe must have less than this part of the variance that the others have: rooms with more
 #: of it left have gained in variance what they lost in time.
 PAYS = 0.66
+#: Gather rays must bring this part of a pass's noise, before anything is learnt: where they
+#: brought 0.2 to 0.3 of it, renders with a guide took as long.
+SHARE = 0.4
 
 
 class Brought(NamedTuple):
@@ -82,35 +89,35 @@ def pilot_maps(settings: Settings, radii: Radii, source: PhotonSource) -> Photon
     return photon_maps(settings, radii, 0, batches, walks)
 
 
+class Seen(NamedTuple):
+    """Places that the camera sees: ``ends``, light (n,) of their pixels, and their zones."""
+
+    ends: Lit
+    samples: NDArray[np.void]
+    zones: Zones
+
+
 def learn_guide(
     prepared: Prepared,
     settings: Settings,
     region: Region,
     maps: PhotonMaps,
     most_pixels: int = PIXELS,
-) -> tuple[Guide, float]:
+) -> Steps[tuple[Guide, float]]:
     """The guide for what the camera sees, and the part of the variance that it leaves.
 
     That part is measured with guided rays before they teach as well.
     """
-    total = region.width * region.height
-    stride = max(1, total // most_pixels)
-    pixels = Pixels.spread(GUIDE_PASS, total // stride, stride=stride)
-    samples = np.zeros(pixels.paths, SAMPLE)
     bare = replace(
         settings, gather_rays=TOGETHER, light_samples=1, light_kinds=False, first_hit=()
     )
-    rays = Rays(prepared, pixels.paths)
-    ends = wide_only(trace_camera(prepared, bare, region, pixels, rays, samples))
-    light_directly(prepared, bare, ends, None, samples, None)
-    places = ends.vertices
-    side = np.zeros(len(places), np.int32)
-    find_sides(places, ends.lobes, side)
-    zones = find_zones(places["p"], side)
+    (seen,) = yield [(see_places, prepared, bare, region, most_pixels)]
+    zones = seen.zones
     if maps.global_ is None or not zones.guide.zones:
         return no_guide(), 1.0
-    plain = _send(prepared._replace(guide=zones.guide), bare, ends, PLAIN, GUIDE_PASS, maps)
-    weight = _weights(samples, places, plain, zones.guide.zones)
+    own = prepared._replace(guide=zones.guide)
+    plain = yield from _ask(own, bare, seen.ends, PLAIN, GUIDE_PASS, maps)
+    weight = _weights(seen.samples, seen.ends.vertices, plain, zones.guide.zones)
     learnt = Learnt(zones)
     learnt.add(plain.zone, plain.bins, _squares(plain, weight))
     left = 1.0
@@ -118,10 +125,42 @@ def learn_guide(
     for i, number in enumerate((PROBE, times - PROBE)):
         if number > 0 and (i == 0 or left <= PAYS):
             own = prepared._replace(guide=learnt.guide())
-            guided = _send(own, bare, ends, number, GUIDE_PASS + 1 + i, maps)
+            guided = yield from _ask(own, bare, seen.ends, number, GUIDE_PASS + 1 + i, maps)
             left = left_of_variance(guided.owner, guided.light, guided.ratio, weight)
             learnt.add(guided.zone, guided.bins, _squares(guided, weight))
     return learnt.guide(), left
+
+
+def see_places(
+    prepared: Prepared, settings: Settings, region: Region, most_pixels: int
+) -> Seen:
+    """What ``most_pixels`` at most of ``region`` see."""
+    total = region.width * region.height
+    stride = max(1, total // most_pixels)
+    pixels = Pixels.spread(GUIDE_PASS, total // stride, stride=stride)
+    samples = np.zeros(pixels.paths, SAMPLE)
+    rays = Rays(prepared, pixels.paths)
+    ends = wide_only(trace_camera(prepared, settings, region, pixels, rays, samples))
+    light_directly(prepared, settings, ends, None, samples, None)
+    # Other threads will read them, and this one's room is for others then.
+    ends = Lit(ends.vertices.copy(), ends.lobes.copy())
+    side = np.zeros(len(ends.vertices), np.int32)
+    find_sides(ends.vertices, ends.lobes, side)
+    return Seen(ends, samples, find_zones(ends.vertices["p"], side))
+
+
+def _ask(
+    prepared: Prepared, settings: Settings, ends: Lit, times: int, i: int, maps: PhotonMaps
+) -> Steps[Brought]:
+    """``_send`` from ``PARTS`` parts of ``ends``."""
+    cuts = np.linspace(0, len(ends.vertices), PARTS + 1).astype(int)
+    found: list[Brought] = yield [
+        (_send, prepared, settings, Lit(ends.vertices[a:b], ends.lobes), times, i, maps)
+        for a, b in itertools.pairwise(cuts)
+    ]
+    for start, brought in zip(cuts[:-1], found, strict=True):
+        brought.owner[:] += start
+    return Brought(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
 def _send(
@@ -220,13 +259,27 @@ def left_of_variance(
 
 
 def guided(
-    prepared: Prepared, settings: Settings, region: Region, radii: Radii, source: PhotonSource
-) -> tuple[Prepared, Stage]:
-    """``prepared`` with a guide if that pays, and the plan's line that says so."""
-    maps = pilot_maps(settings, radii, source)
-    guide, left = learn_guide(prepared, settings, region, maps)
+    prepared: Prepared,
+    settings: Settings,
+    region: Region,
+    radii: Radii,
+    source: PhotonSource,
+    maps: PhotonMaps | None = None,
+) -> Steps[tuple[Guide, Stage]]:
+    """A guide if that pays, else none, and the plan's line that says so.
+
+    ``maps``: global photons to learn from, that no picture shows; without, a pass of its own.
+    """
+    if maps is None:
+        (maps,) = yield [(pilot_maps, settings, radii, source)]
+    guide, left = yield from learn_guide(prepared, settings, region, maps)
     share = f"{100.0 * left:.0f} % of the variance of gather rays is left"
     if left > PAYS:
-        return prepared, Stage("guide", False, f"{share}, that would not pay")
-    stage = Stage("guide", True, f"{guide.zones} zones; {share}")
-    return prepared._replace(guide=guide), stage
+        return no_guide(), Stage("guide", False, f"{share}, that would not pay")
+    return guide, Stage("guide", True, f"{guide.zones} zones; {share}")
+
+
+def unguided(share: float) -> Stage:
+    """The plan's line where gather rays bring too small a ``share`` of the noise."""
+    reason = f"gather rays bring {100.0 * share:.0f} % of the noise: learning would not pay"
+    return Stage("guide", False, reason)

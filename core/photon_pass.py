@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import count
 from typing import Protocol
 
@@ -13,23 +13,14 @@ from .camera_pass.caustics import FOCUS_DISC
 from .camera_pass.chunk import PhotonMaps
 from .camera_pass.connections import connect
 from .camera_pass.density import DensityMaps
-from .camera_pass.light_image import (
-    Expected,
-    around,
-    expected_from,
-    light_image,
-    no_connections,
-    why_not,
-)
-from .camera_pass.pixels import Region
+from .camera_pass.light_image import light_image
 from .film.layers import DENSITY_LAYER
 from .photons.focus import parted
 from .photons.photon_map import build_photon_map
 from .photons.radius import GLOBAL_ALPHA, radius_factor
 from .photons.rows import CELL
-from .photons.shadow import shadow_map
 from .photons.trace import Walk, Watcher, trace_photons
-from .pilot import CROWD, DRAFT_CROWD, PILOT_PASS, Radii, first_radii, no_radii
+from .pilot import PILOT_PASS, Radii
 from .plan import Plan
 from .prepared import Prepared
 from .sampling.rng import PHOTON_CAUSTIC, PHOTON_GLOBAL
@@ -120,44 +111,6 @@ def trace_batch(
         prepared, prepared.aim.spheres, light_cdf, batch.caustic, settings, purpose, i,
         batch.start, batch.count, batch.total, watcher,
     )  # fmt: skip
-
-
-def pilot_radii(
-    prepared: Prepared, settings: Settings, region: Region, source: PhotonSource
-) -> Radii:
-    """Radii of pass 0, and shadow photons when there shall be some.
-
-    Without photons nothing is asked for radii, and nothing is traced.
-    """
-    radii = no_radii()
-    if source.batches:
-        caustics = any(batch.caustic for batch in source.batches)
-        radii = first_radii(prepared, settings, region, source.pilot(), caustics)
-        if caustics:
-            # Traced even where the others are baked: they shall be others. With the seed of
-            # these, so that discs are as large in all frames of a flight.
-            number = DRAFT_CROWD if settings.draft else CROWD
-            chosen = replace(settings, seed=source.seed)
-            walk = trace_batch(prepared, chosen, PILOT_PASS, Batch(True, 0, number, number))
-            crowd = build_photon_map([walk], radii.caustic[3])
-            expected = _expected(prepared, chosen, region, walk)
-            expected = expected._replace(passes=source.passes)
-            radii = radii._replace(crowd=crowd, crowd_photons=number, expected=expected)
-    if settings.shadow_photons:
-        radii = radii._replace(shadows=shadow_map(prepared, settings))
-    return radii
-
-
-def _expected(prepared: Prepared, settings: Settings, region: Region, walk: Walk) -> Expected:
-    """What connections of the pilot's photons, ``walk``, tell."""
-    pixels = region.width * region.height
-    reason = why_not(settings, pixels, 1 + len(settings.light_groups))
-    if reason:
-        return no_connections(region, reason)
-    x0, y0, width, height = around(region)
-    every = np.ones((height, width), np.uint8)
-    found = connect(prepared, settings, (x0, y0), every, PILOT_PASS, walk)
-    return expected_from(found, region, prepared.camera.filter_table)
 
 
 def walk_and_connect(

@@ -46,7 +46,8 @@ class Radii(NamedTuple):
 
     The borders are in grids for discs of up to those radii. ``shadows``: the shadow photons,
     None without; ``crowd``: the map of ``crowd_photons`` caustic photons, None without, and
-    ``expected``: what the camera sees of these at once.
+    ``expected``: what the camera sees of these at once. ``views`` (P, 3): where the pilot's
+    camera paths have ended, centred.
     """
 
     caustic: tuple[float, float, float, float]
@@ -57,6 +58,7 @@ class Radii(NamedTuple):
     crowd: PhotonMap | None = None
     crowd_photons: int = CROWD
     expected: Expected | None = None
+    views: NDArray[np.float64] = np.zeros((0, 3))
 
     def with_caustics(self, factor: float) -> Radii:
         """Discs of caustics ``factor`` (1 at most) times as wide."""
@@ -107,7 +109,7 @@ def first_radii(
     grids = _borders(
         prepared, [caustic[2], radius] if caustics else [radius], not settings.draft
     )
-    return Radii(caustic, radius, grids[0], grids[-1])
+    return Radii(caustic, radius, grids[0], grids[-1], views=ends.vertices["p"].copy())
 
 
 def _borders(prepared: Prepared, radii: list[float], crossed: bool) -> list[BorderGrid]:

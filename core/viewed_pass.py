@@ -25,7 +25,6 @@ from .photon_memory import affordable
 from .photon_pass import (
     TracedPhotons,
     photon_maps,
-    pilot_radii,
     trace_batch,
 )
 from .photon_view import known_walk, view_of
@@ -33,6 +32,7 @@ from .photons.coverage import BorderGrid, look_around
 from .photons.gather import disc_weight, facing
 from .photons.sight import SIGHT, is_hidden
 from .photons.trace import PHOTON
+from .pilot_pass import pilot_radii
 from .plan import Plan
 from .prepared import Prepared, prepare
 from .scene.scene import Scene

@@ -16,6 +16,7 @@ from .plan import Plan
 from .prepared import Prepared
 from .sampling.rng import REPLICATES
 from .settings import Settings
+from .steps import run
 
 #: Pixels, at most, and photon paths of a batch.
 _PIXELS, _PHOTONS = 256, 16
@@ -52,7 +53,7 @@ def warm_up(
     pixels = Pixels.spread(0, total // stride, stride=stride)
     chunk = trace_chunk(prepared, settings, region, pixels, maps)
     if wants_guide(settings, plan, region):
-        learn_guide(prepared, settings, region, maps, _LEARNING)
+        run(learn_guide(prepared, settings, region, maps, _LEARNING))
     film = empty_film(settings, pixels.paths, 1)
     ids = np.arange(pixels.paths, dtype=np.int32)
     for i in range(REPLICATES):

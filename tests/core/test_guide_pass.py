@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from photon_map.core import Plan, Settings, guide_pass, render
+from photon_map.core import Plan, Settings, guide_pass, photon_memory, render, renderer
 from photon_map.core.camera_pass import light_image
 from photon_map.core.camera_pass.chunk import trace_camera, trace_chunk
 from photon_map.core.camera_pass.guide import side_of
@@ -21,13 +21,13 @@ from photon_map.core.photon_pass import (
     TracedPhotons,
     photon_batches,
     photon_maps,
-    pilot_radii,
 )
+from photon_map.core.pilot_pass import pilot_radii
 from photon_map.core.prepared import prepare
 from photon_map.core.scene.builder import SceneBuilder
 from photon_map.core.scene.lobes import Lobe, diffuse
 from photon_map.tests.guides import MIXED, random_guide, turned_away
-from photon_map.tests.scenes import box, camera
+from photon_map.tests.scenes import box, camera, floor_scene
 
 
 def uneven_room(lobes: list[Lobe], size: int = 8, lamp_size: float = 0.2, watts: float = 0.5):
@@ -138,9 +138,39 @@ def test_an_even_room_is_not_guided():
     assert stage is not None and not stage.on
 
 
-def test_off_nothing_is_learnt(monkeypatch: pytest.MonkeyPatch):
-    from photon_map.core import renderer
+def test_nothing_is_learnt_where_gather_rays_bring_little_noise(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    """A floor below a lamp of some extent: rays that leave it meet nothing."""
 
+    def fail(*_: object) -> None:
+        raise AssertionError("called")
+
+    b = floor_scene([diffuse(0.5)])
+    lamp = np.eye(4)
+    lamp[:3, 3] = (0.3, 0.2, 0.5)
+    b.add_area_light("lamp", lamp, 1.0, 0.5, 0.5)
+    b.set_camera(camera((0, -0.9, 0.6), (0, 0.9, -0.6), 16, 16, fov=np.radians(60)))
+    monkeypatch.setattr(renderer, "guided", fail)
+    stage = stage_named(last_of(b.build(), replace(SMALL, gather_rays=-1)).plan, "guide")
+    assert stage is not None and not stage.on and "of the noise" in stage.reason
+    with pytest.raises(AssertionError, match="called"):
+        last_of(uneven_room([diffuse(0.7)], 16), replace(SMALL, gather_rays=-1))
+
+
+def test_little_memory_learns_the_same(always: None, monkeypatch: pytest.MonkeyPatch):
+    """However many passes' photons are traced ahead of it."""
+    scene = uneven_room(MIXED, 16)
+    films = []
+    for ahead in (2, 1):
+        monkeypatch.setattr(photon_memory, "AHEAD", ahead)
+        update = last_of(scene, SMALL)
+        assert stage_named(update.plan, "guide").on
+        films.append(update.film.resolve("combined"))
+    assert (films[0] == films[1]).all()
+
+
+def test_off_nothing_is_learnt(monkeypatch: pytest.MonkeyPatch):
     def fail(*_: object) -> None:
         raise AssertionError("called")
 

@@ -10,7 +10,8 @@ import pytest
 
 from photon_map.core import pilot
 from photon_map.core.camera_pass.pixels import Region
-from photon_map.core.photon_pass import TracedPhotons, photon_batches, pilot_radii
+from photon_map.core.photon_pass import TracedPhotons, photon_batches
+from photon_map.core.pilot_pass import pilot_radii
 from photon_map.core.plan import Plan
 from photon_map.core.prepared import prepare
 from photon_map.core.renderer import render

@@ -78,6 +78,19 @@ def test_updates_come_often_and_end_with_done():
     assert np.median(gaps) <= 0.25
 
 
+@pytest.mark.parametrize("goal", [0.0, 1e-9])
+def test_updates_come_when_passes_are_shorter_than_silence(goal):
+    begin = time.perf_counter()
+    told = 0
+    for update in render(scenes.cornell_glass(4), Settings(passes=100_000, error_goal=goal)):
+        told += update.phase == "render"
+        if told == 5:
+            break
+    # A goal that no pass meets: it would go on for minutes without a word.
+    assert update.passes < 50_000
+    assert time.perf_counter() - begin < 60.0
+
+
 def test_closing_ends_all_threads_and_keeps_the_film():
     scene = scenes.cornell_glass(256)
     updates = render(scene, Settings(passes=10_000))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from photon_map.core import Settings, bake, render, renderer
+from photon_map.core import Settings, bake, render, render_state
 from photon_map.core.baking import bake as baking
 from photon_map.core.baking.fingerprint import changes, fingerprint
 from photon_map.core.baking.maps_file import BakeError, MapsFile
@@ -69,7 +69,7 @@ def test_pixels_have_a_path_a_pass_each_with_a_bake(
             asked.append(adaptive)
             super().__init__(width, height, adaptive)
 
-    monkeypatch.setattr(renderer, "PathDensity", Listening)
+    monkeypatch.setattr(render_state, "PathDensity", Listening)
     for path in ("", str(maps)):
         last_of(scene, replace(SETTINGS, photon_maps=path))
     assert asked == [True, False]
@@ -84,7 +84,8 @@ def test_no_photon_of_a_pass_is_traced_with_a_bake(
         passes.append(i)
         return trace_batch(prepared, settings, i, *rest)
 
-    monkeypatch.setattr("photon_map.core.photon_pass.trace_batch", listen)
+    for module in ("photon_pass", "pilot_pass"):
+        monkeypatch.setattr(f"photon_map.core.{module}.trace_batch", listen)
     camera = replace(scene.camera, matrix=look_at((0.3, -2.4, 0.9), (0, 0, 1)))  # type: ignore[type-var]
     moved = replace(scene, camera=camera)
     settings = replace(SETTINGS, photon_maps=str(maps), stale_maps="REFUSE")

@@ -116,7 +116,7 @@ def test_without_them_nothing_is_done(scene: Scene, monkeypatch: pytest.MonkeyPa
     def trap(*arguments: object) -> None:
         raise AssertionError("shadow photons were asked")
 
-    monkeypatch.setattr("photon_map.core.photon_pass.shadow_map", trap)
+    monkeypatch.setattr("photon_map.core.pilot_pass.shadow_map", trap)
     monkeypatch.setattr("photon_map.core.camera_pass.next_event.decide", trap)
     *_, last = render(scene, replace(SETTINGS, shadow_photons=0))
     assert last.film.resolve("direct").max() > 0

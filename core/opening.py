@@ -1,0 +1,151 @@
+"""What a render finds out before its first pass: the pilot, and the balance of a pass.
+
+Parts that need nothing of each other run side by side on the threads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from concurrent.futures import Future
+from functools import partial
+from typing import Any, NamedTuple
+
+from .ahead import compile_ahead
+from .aim_pass import aimed, wants_aim
+from .baking.bake import photon_source
+from .balance import (
+    PASSES,
+    Look,
+    balanced,
+    caustics_by_paths,
+    gather_share,
+    is_free,
+    parts_of_look,
+    stage_of,
+)
+from .guide_pass import SHARE, unguided
+from .photon_memory import Afforded, Stored, affordable, emitted, stored_in
+from .photon_pass import Batch, PhotonSource, TracedPhotons, photon_batches, photon_maps
+from .photons.trace import Walk
+from .pilot import Radii
+from .pilot_pass import parts_of_pilot, pilot_of
+from .prepared import Prepared
+from .render_state import RenderState
+from .update import Update
+
+
+class Piloted(NamedTuple):
+    """What is known before the first pass.
+
+    ``walks``: photons of whole passes under way for the balance, by pass and batch; none where
+    there is nothing to decide.
+    """
+
+    prepared: Prepared
+    source: PhotonSource
+    afforded: Afforded
+    radii: Radii
+    walks: list[list[Future[Walk]]]
+
+
+def pilot(
+    render: RenderState, prepared: Prepared, message: str
+) -> Generator[Update, None, Piloted]:
+    """Where photons come from, and what the pilot tells."""
+    submit, settings, region = render.queue.submit, render.settings, render.region
+    submit(compile_ahead, prepared, settings, render.plan, region)
+    prepared, render.plan = yield from render.watch(
+        submit(render.kept.focused, prepared, settings, render.plan), message
+    )
+    learns = wants_aim(settings, render.plan, region)
+    while True:
+        source, afforded = yield from render.watch(
+            submit(_photons, render, prepared),
+            "photon maps" if settings.photon_maps else message,
+        )
+        parts = [submit(*part) for part in parts_of_pilot(prepared, settings, region, source)]
+        walks = _look_for_balance(render, source)
+        told: list[Any] = []
+        for part in parts:
+            told.append((yield from render.watch(part, message)))
+        sizes, crowd, shadows = told
+        if learns and crowd is not None:
+            asked = (prepared, settings, render.plan, sizes.views, crowd)
+            before, learns = prepared, False
+            prepared, render.plan = yield from render.watch(submit(aimed, *asked), message)
+            if prepared is not before:
+                # Photons for one view serve no other, and those so far were not these.
+                for walk in (walk for walks_of_pass in walks for walk in walks_of_pass):
+                    yield from render.watch(walk, message)
+                render.kept.leave(0)
+                continue
+        return Piloted(prepared, source, afforded, pilot_of(sizes, crowd, shadows), walks)
+
+
+def _photons(render: RenderState, prepared: Prepared) -> tuple[PhotonSource, Afforded]:
+    pixels = render.region.width * render.region.height
+    afforded = affordable(prepared, render.settings, render.plan, pixels)
+    asked = (render.scene, render.settings, render.plan, prepared, afforded)
+    source, render.plan, afforded = photon_source(*asked)
+    return source, afforded
+
+
+def _look_for_balance(render: RenderState, source: PhotonSource) -> list[list[Future[Walk]]]:
+    if not is_free(render.settings) or not source.batches:
+        return []
+    kept, submit = render.kept.photons(source, render.settings), render.queue.submit
+    return [[submit(kept.walk, i, batch) for batch in source.batches] for i in PASSES]
+
+
+def balance(
+    render: RenderState,
+    prepared: Prepared,
+    radii: Radii,
+    batches: list[Batch],
+    walks: list[list[Future[Walk]]],
+    traced: bool,
+) -> Generator[Update, None, tuple[Radii, PhotonSource | None]]:
+    """Decide what is automatic; ``traced``: whether other photons can be asked for.
+
+    Returns the radii and, if so, where these photons come from.
+    """
+    asked = "looking where noise comes from"
+    before, region = render.settings, render.region
+    found: list[Walk] = []
+    maps = []
+    while walks:
+        futures = walks.pop(0)
+        found = []
+        for future in futures:
+            found.append((yield from render.watch(future, asked)))
+        maps.append(photon_maps(before, radii, 0, batches, found))
+    parts = [
+        render.queue.submit(*part) for part in parts_of_look(prepared, before, region, maps)
+    ]
+    shown: list[Any] = []
+    for part in parts:
+        shown.append((yield from render.watch(part, asked)))
+    one, two, three, direct = shown
+    seen = Look(one, two, three, direct, batches, found)
+    render.density.caustics = caustics_by_paths(seen)
+    stored = stored_in(batches, found)
+    fits = render.memory.fits_with(stored)
+    chosen = render.settings = balanced(before, seen, region, traced, fits)
+    render.plan = render.plan._replace(stages=(*render.plan.stages, stage_of(chosen)))
+    if render.lesson is not None:
+        share = gather_share(seen, chosen)
+        if share >= SHARE:
+            alone = maps[0]._replace(caustic=None, focus=None, counted=None)
+            render.lesson = partial(render.lesson, alone)
+        else:
+            render.lesson = None
+            render.plan = render.plan._replace(stages=(*render.plan.stages, unguided(share)))
+    radii = radii.with_caustics(chosen.caustic_radius / before.caustic_radius)
+    if not traced:
+        return radii, None
+    more = photon_batches(render.plan, chosen, region.width * region.height)
+    source = render.kept.photons(TracedPhotons(prepared, chosen, more), chosen)
+    factor = emitted(more)[0] / max(1, emitted(batches)[0])
+    stored = Stored(factor * stored.caustic, stored.global_)
+    render.kept.leave(render.memory.expect(stored, radii))
+    return radii, source
