@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import sys
 import time
+import traceback
 from collections.abc import Generator, Mapping, Sequence
+from concurrent.futures import CancelledError
+from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -16,6 +19,7 @@ from .denoise import GUIDES, DenoiseError, denoise, is_available
 from .export.scene import ExportCancelledError, export_scene
 from .export.settings import export_settings
 from .insight import remember
+from .interruption import interrupting
 from .job import CURRENT
 from .kernel_cache import use_extension_folder
 from .mattes import matte_stamps
@@ -25,7 +29,7 @@ from .preview import LONG, WAITING, preview_scene, preview_settings
 from .report import ExportError, ExportLog
 
 if TYPE_CHECKING:
-    from ..core import Film, Scene, Settings, Update
+    from ..core import Film, Kept, Scene, Settings, Update
 
 #: Seconds between two looks of the user at the unfinished image.
 REDRAW_INTERVAL = 0.25
@@ -63,10 +67,12 @@ def render_final(engine: Any, depsgraph: Any) -> None:
             write_nothing(engine, view_layer)
             return
     tell(engine, log.messages)
-    updates = _core_render(scene, settings)
+    updates, kept = _core_render(scene, settings)
     last: Update | None = None
     try:
-        last = _pull(engine, updates, view_layer, settings)
+        # Blender's own tests of a break without a window are at the updates alone.
+        with interrupting(lambda: stopped(engine), kept) if watched() else nullcontext():
+            last = _pull(engine, updates, view_layer, settings)
     finally:
         updates.close()
         WAITING.clear()
@@ -133,18 +139,24 @@ def tell(engine: Any, warnings: Sequence[str]) -> None:
             engine.report({"WARNING"}, message)
 
 
-def _core_render(scene: Scene, settings: Settings) -> Generator[Update, None, None]:
-    """Start the core; its heavy imports (numba, scipy, embreex) happen here."""
+def _core_render(
+    scene: Scene, settings: Settings
+) -> tuple[Generator[Update, None, None], Kept]:
+    """Start the core; its heavy imports (numba, scipy, embreex) happen here.
+
+    Its updates, and what cancels them.
+    """
     use_extension_folder()
     try:
-        from ..core import render
+        from ..core import Kept, render
     except ImportError as error:
         raise ExportError(
             f"a package that the engine needs is missing: {error}; install numba, scipy and "
             "embreex for this Python, or the extension's archive, which contains them"
         ) from error
-    updates: Any = render(scene, settings)
-    return updates
+    kept = Kept(0)
+    updates: Any = render(scene, settings, kept)
+    return updates, kept
 
 
 def _pull(
@@ -158,7 +170,7 @@ def _pull(
     first = True
     shown = 0
     redrawn = time.monotonic()
-    for last in updates:
+    for last in _until_cancelled(updates, engine):
         if first:
             tell(engine, last.plan.warnings)
             first = False
@@ -170,13 +182,26 @@ def _pull(
         engine.update_stats("", stats_line(view_layer.name, last, fraction))
         used = last.film.nbytes / 2**20
         engine.update_memory_stats(memory_used=used, memory_peak=used)
+        if enough or stopped(engine):
+            break
         now = time.monotonic()
         if watched() and last.passes > shown and now - redrawn > REDRAW_INTERVAL:
             write_film(engine, last.film, view_layer)
             shown, redrawn = last.passes, time.monotonic()
-        if enough or stopped(engine):
-            break
     return last
+
+
+def _until_cancelled(
+    updates: Generator[Update, None, None], engine: Any
+) -> Generator[Update, None, None]:
+    """``updates``, up to where the user wanted no more of them."""
+    try:
+        yield from updates
+    except CancelledError as error:
+        if not stopped(engine):
+            raise
+        # Its frames hold the scene, and are held by futures of theirs.
+        traceback.clear_frames(error.__traceback__)
 
 
 def write_stamps(engine: Any, stamps: Mapping[str, str]) -> None:

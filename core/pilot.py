@@ -105,7 +105,7 @@ def first_radii(
     typical = float(np.median(seen)) if len(seen) else 1e-3 * size
     typical = max(typical * settings.caustic_radius, 1e-7 * size)
     caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, CELL * typical)
-    radius = _global_radius(photons, far.vertices["p"], size)
+    radius = _global_radius(prepared, photons, far.vertices["p"])
     grids = _borders(
         prepared, [caustic[2], radius] if caustics else [radius], not settings.draft
     )
@@ -123,6 +123,7 @@ def _borders(prepared: Prepared, radii: list[float], crossed: bool) -> list[Bord
     sides = border_sides(surfaces, holds)
     grids = []
     for radius in radii:
+        intersector.go_on()
         ends = borders_of(mesh, sides, holds, intersector, radius, MOST_PIECES)
         lines = short(straightened(met, STRAY * radius), radius, MOST_PIECES)
         grids.append(border_grid(joined(ends, lines), radius))
@@ -130,13 +131,17 @@ def _borders(prepared: Prepared, radii: list[float], crossed: bool) -> list[Bord
 
 
 def _global_radius(
-    photons: NDArray[np.float64], ends: NDArray[np.float64], size: float
+    prepared: Prepared, photons: NDArray[np.float64], ends: NDArray[np.float64]
 ) -> float:
     """Median distance to the k-th photon at the ends of the gather rays."""
     from scipy.spatial import cKDTree
 
+    size = prepared.centre.radius
     k = min(GLOBAL_NEIGHBOURS, len(photons))
     if k == 0 or len(ends) == 0:
         return 0.05 * size
-    distance, _ = cKDTree(photons).query(ends, k=[k])
+    prepared.intersector.go_on()
+    tree = cKDTree(photons)
+    prepared.intersector.go_on()
+    distance, _ = tree.query(ends, k=[k])
     return float(np.clip(np.median(distance), 1e-6 * size, size))

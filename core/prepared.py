@@ -22,10 +22,16 @@ from .lights.light_set import LightSet, light_set
 from .photons.aim import Aim, aim_at
 from .photons.casters import receiver_materials
 from .photons.focus import Focus, no_focus
+from .scene.alike import alike
 from .scene.scene import Scene, SceneError
 from .scene.tables import LOBE, Visibility
 from .settings import Settings
 from .textures.shading import ShadingTables, shading_tables
+
+#: What a scene's mesh hangs on, beside which materials refract.
+_FACES = (
+    "vertices", "faces", "corner_normals", "face_material", "face_object", "object_visibility",
+)  # fmt: skip
 
 
 class Prepared(NamedTuple):
@@ -70,19 +76,22 @@ class Prepared(NamedTuple):
         return table
 
 
-def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prepared:
+def prepare(
+    scene: Scene,
+    settings: Settings,
+    stop: Event | None = None,
+    like: tuple[Scene, Prepared] | None = None,
+) -> Prepared:
     """Build the tables and the ray tracer of ``scene``; raises ``SceneError``.
 
-    Setting ``stop`` later ends all work on rays (``Intersector``).
+    Setting ``stop`` later ends all work on rays (``Intersector``). ``like``: another scene and
+    what was made of it, whose mesh is taken where the faces are the same.
     """
     if scene.camera is None:
         raise SceneError(
             f"scene '{scene.name}' has no camera: add one and make it the scene's camera"
         )
-    centre = centre_of(scene)
-    mesh = centred_mesh(scene, centre)
-    mesh = overlapped(mesh, scene.face_object, scene.materials["ior"] > 0)
-    intersector = Intersector(mesh, stop)
+    centre, mesh, intersector = _traced_mesh(scene, stop, like)
     lights = light_set(scene, mesh, centre)
     materials = scene.materials.copy()
     light_media = np.zeros((len(lights.power), 1 + STACK), np.int32)
@@ -108,6 +117,21 @@ def prepare(scene: Scene, settings: Settings, stop: Event | None = None) -> Prep
         glass=smooth_glass(materials, scene.lobes),
         first_hits=_first_hits(scene, settings, centre),
     )
+
+
+def _traced_mesh(
+    scene: Scene, stop: Event | None, like: tuple[Scene, Prepared] | None
+) -> tuple[Centre, Mesh, Intersector]:
+    """The centred faces of ``scene``, in Embree; those of ``like`` if they are the same."""
+    refracts = scene.materials["ior"] > 0
+    if like is not None:
+        other, made = like
+        same = np.array_equal(refracts, other.materials["ior"] > 0)
+        if same and alike(scene, other, _FACES):
+            return made.centre, made.mesh, made.intersector.stopped_by(stop)
+    centre = centre_of(scene)
+    mesh = overlapped(centred_mesh(scene, centre), scene.face_object, refracts)
+    return centre, mesh, Intersector(mesh, stop)
 
 
 def with_camera(

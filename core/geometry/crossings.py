@@ -39,6 +39,7 @@ def crossings(
     chosen = _near_others(surfaces, _NEAR * radius)
     edge, met = _met(surfaces, chosen, intersector, radius)
     face, other = _pairs(surfaces, edge, met)
+    intersector.go_on()
     kept = holds[face]
     return _segments(surfaces, face[kept], other[kept], radius)
 

@@ -59,26 +59,32 @@ def aim_at(scene: Scene, mesh: Mesh, lights: LightSet) -> Aim:
 
 
 def _sphere(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sphere about the middle of the box of ``points`` (n, 3)."""
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    radius = math.sqrt(((points - middle) ** 2).sum(axis=1).max())
+    """Sphere about the middle of the box of ``points`` (3, n)."""
+    # A coordinate at a time: numpy is slow along axes of three.
+    middle = np.array([(row.min() + row.max()) / 2 for row in points])
+    x, y, z = ((row - m) ** 2 for row, m in zip(points, middle, strict=True))
+    radius = math.sqrt((x + y + z).max())
     return np.array([*middle, radius * (1 + 1e-6) + 1e-12])
 
 
-def _bound(mesh: Mesh, faces: NDArray[np.intp], depth: int = 0) -> list[NDArray[np.float64]]:
+def _bound(mesh: Mesh, faces: NDArray[np.intp]) -> list[NDArray[np.float64]]:
     """Spheres around ``faces``, cut in two while that makes the target clearly smaller."""
-    corners = mesh.vertices[mesh.faces[faces]].astype(np.float64)
-    whole = _sphere(corners.reshape(-1, 3))
-    if len(faces) < 2 or depth >= 4:
+    corners = np.ascontiguousarray(mesh.vertices[mesh.faces[faces]].T, dtype=np.float64)
+    return _halves(corners)
+
+
+def _halves(corners: NDArray[np.float64], depth: int = 0) -> list[NDArray[np.float64]]:
+    """Spheres around triangles with ``corners`` (3 coordinates, 3 corners, n)."""
+    whole = _sphere(corners.reshape(3, -1))
+    if corners.shape[2] < 2 or depth >= 4:
         return [whole]
-    centroid = corners.mean(axis=1)
-    axis = int(np.ptp(centroid, axis=0).argmax())
-    order = np.argsort(centroid[:, axis], kind="stable")
-    first, second = order[: len(order) // 2], order[len(order) // 2 :]
-    halves = [_sphere(corners[part].reshape(-1, 3)) for part in (first, second)]
-    if sum(half[3] ** 2 for half in halves) > 0.8 * whole[3] ** 2:
+    centroid = (corners[:, 0] + corners[:, 1] + corners[:, 2]) / 3
+    axis = int(np.argmax([np.ptp(row) for row in centroid]))
+    order = np.argsort(centroid[axis], kind="stable")
+    parts = [corners[..., part] for part in np.split(order, [len(order) // 2])]
+    if sum(_sphere(part.reshape(3, -1))[3] ** 2 for part in parts) > 0.8 * whole[3] ** 2:
         return [whole]
-    return _bound(mesh, faces[first], depth + 1) + _bound(mesh, faces[second], depth + 1)
+    return _halves(parts[0], depth + 1) + _halves(parts[1], depth + 1)
 
 
 def _merge(spheres: NDArray[np.float64]) -> NDArray[np.float64]:

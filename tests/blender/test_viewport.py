@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 import weakref
+from concurrent.futures import CancelledError
 from types import SimpleNamespace
 from typing import Any
 
@@ -174,15 +175,6 @@ def test_the_border_of_a_camera_is_a_part_of_its_frame(bpy: Any) -> None:
     assert view_border(context, scene) == (15, 5, 26, 10)
 
 
-def test_pictures_become_finer_step_by_step() -> None:
-    from photon_map.addon.viewport import FIRST_PIXELS, steps
-
-    assert list(steps(1)) == [2]
-    assert list(steps(650 * 470)) == [7]
-    assert list(steps(1920 * 1080)) == [16, 4]
-    assert all(n / next(steps(n)) ** 2 <= FIRST_PIXELS for n in range(9, 10**7, 99991))
-
-
 def test_an_edit_converts_only_what_changed(bpy: Any, core: Any, viewport: Any) -> None:
     """Blender says in ``depsgraph.updates`` which geometry is another one."""
     add_cube(bpy, "Other")
@@ -218,7 +210,7 @@ def test_an_edit_converts_only_what_changed(bpy: Any, core: Any, viewport: Any) 
 
 
 def test_what_takes_long_is_said_behind_the_coarse_picture(bpy: Any, viewport: Any) -> None:
-    from photon_map.addon.viewport import KeptBox, Picture, Worker
+    from photon_map.addon.worker import KeptBox, Picture, Worker
 
     worker = Worker(None, None, None, KeptBox())
     viewport.render._worker = worker
@@ -303,15 +295,6 @@ def test_the_timer_ends_the_worker_of_an_engine_that_is_gone(
     assert look() is None
 
 
-def test_the_coarse_picture_has_few_photons() -> None:
-    from photon_map.addon.viewport import FIRST_PHOTONS, fewer
-    from photon_map.core.settings import AUTOMATIC
-
-    assert [fewer(n) for n in (AUTOMATIC, 0, 10, 10**6)] == [
-        FIRST_PHOTONS, 0, 10, FIRST_PHOTONS,
-    ]  # fmt: skip
-
-
 def test_closing_ends_the_worker(bpy: Any, core: Any, viewport: Any) -> None:
     begun, go_on = threading.Event(), threading.Event()
 
@@ -346,3 +329,22 @@ def test_errors_are_words_in_the_corner(bpy: Any, core: Any, viewport: Any) -> N
     viewport.context.region_data = None
     viewport.render.update(viewport.context, viewport.depsgraph)
     assert draw(viewport).startswith("AttributeError")
+
+
+@pytest.mark.parametrize("wanted", [False, True])
+def test_a_worker_that_is_cancelled_says_nothing(
+    bpy: Any, core: Any, viewport: Any, capfd: Any, wanted: bool
+) -> None:
+    """The core's work then ends with an exception, which is a failure otherwise."""
+
+    def on_pass(number: int) -> None:
+        if not wanted:
+            viewport.render._worker.cancel()
+        raise CancelledError
+
+    core.on_pass = on_pass
+    viewport.render.update(viewport.context, viewport.depsgraph)
+    wait_until(lambda: not workers())
+    assert core.closed == 1
+    assert draw(viewport).startswith("Failed") == wanted
+    assert ("Traceback" in capfd.readouterr().err) == wanted
