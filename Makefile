@@ -4,7 +4,7 @@
 PYTHON ?=
 # A Blender's executable, for `make acceptance`.
 BLENDER ?= blender
-# What starts Xvfb, for `make window` and `make guide`.
+# What starts Xvfb, for `make window`, `make cycles` and `make guide`.
 XVFB ?= Xvfb
 BLEND ?= sample_blends/cornell_corridor.blend
 # More arguments for `photonmap render` or pytest.
@@ -15,7 +15,7 @@ BIN := .venv/bin
 PYTEST := python -m pytest -n 2 --dist loadfile
 
 .PHONY: help env env-core bpy render test test-slow test-core accuracy bench-env bench \
-	bench-quick budgets bench-references lint extension acceptance window guide samples gallery clean
+	bench-quick budgets bench-references lint extension acceptance window cycles guide samples gallery clean
 
 help:
 	@echo "make render [BLEND=file.blend]  render it to renders/*.png and *.exr"
@@ -31,6 +31,7 @@ help:
 	@echo "make extension                  dist/*.zip for Blender: one a platform and Python"
 	@echo "make acceptance BLENDER=path    install and try the fitting one in that Blender"
 	@echo "make window BLENDER=path        drive that Blender's window under Xvfb, with shots"
+	@echo "make cycles BLENDER=path        fifty renders cancelled, edited, undone, loaded over"
 	@echo "make guide BLENDER=path         follow the user guide in that Blender's window"
 	@echo "make gallery                    the pictures of docs/gallery.md (under 20 minutes)"
 	@echo "make samples                    build sample_blends/*.blend again (Python 3.11)"
@@ -97,6 +98,9 @@ acceptance: bpy
 
 window: bpy
 	@$(BIN)/python tools/window_test.py "$(BLENDER)" --xvfb "$(XVFB)" $(ARGS)
+
+cycles: bpy
+	@$(BIN)/python tools/cycles_test.py "$(BLENDER)" --xvfb "$(XVFB)" $(ARGS)
 
 guide: bpy
 	@$(BIN)/python tools/guide_walk.py "$(BLENDER)" --xvfb "$(XVFB)" $(ARGS)

@@ -7,11 +7,9 @@ the samples to time. What is found goes to `found.json` there, and what the came
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import time
-import traceback
 from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
@@ -20,49 +18,24 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
+from driven import (  # type: ignore[import-not-found]
+    FOLDER,
+    JOB,
+    MODULE,
+    part,
+    shot,
+    show_rendered,
+    start,
+    told,
+    views,
+    window,
+)
 from frames import Frames, Steps, films, until  # type: ignore[import-not-found]
 from likeness import parted  # type: ignore[import-not-found]
-from screenshots import (  # type: ignore[import-not-found]
-    cut,
-    region_of,
-    screenshot,
-)
+from screenshots import cut, region_of  # type: ignore[import-not-found]
 from x_server import press_escape, resize_windows  # type: ignore[import-not-found]
 
-JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
-FOLDER = Path(JOB["folder"])
-MODULE = "bl_ext.user_default.photon_map"
 TABS = ("RENDER", "OUTPUT", "VIEW_LAYER", "SCENE", "WORLD", "OBJECT", "MATERIAL", "DATA")
-
-
-def window(which: int = 0) -> Any:
-    """A window of Blender's."""
-    return bpy.context.window_manager.windows[which]
-
-
-def views() -> list[Any]:
-    """The 3D viewports of the first window."""
-    return [area for area in window().screen.areas if area.type == "VIEW_3D"]
-
-
-def shot(name: str) -> Any:
-    """What the window shows now; the whole display is kept under ``name``."""
-    return screenshot(FOLDER / f"{name}.xwd")[-window().height :]
-
-
-def part(pixels: Any, area: Any) -> Any:
-    """What an area shows."""
-    return pixels[area.y : area.y + area.height, area.x : area.x + area.width]
-
-
-def show_rendered(area: Any) -> None:
-    """Rendered shading through the camera, and nothing over it."""
-    space = area.spaces.active
-    space.region_3d.view_perspective = "CAMERA"
-    space.show_gizmo = space.overlay.show_overlays = False
-    space.show_region_toolbar = space.show_region_ui = False
-    space.shading.type = "RENDERED"
-    area.tag_redraw()
 
 
 def edits(scene: Any) -> dict[str, Callable[[], None]]:
@@ -128,13 +101,6 @@ def latencies(frames: Frames, found: dict[str, Any]) -> Steps:
             seconds = yield from timed(frames, edit, f"{name}: {what}")
             found[name][what] = seconds
             yield 0.3
-
-
-def told(steps: Steps, what: str, found: dict[str, Any]) -> Steps:
-    """Say that a part begins, for whoever reads the output after a failure; keep its end."""
-    print(f"window test: {what}", flush=True)
-    yield from steps
-    (FOLDER / "found.json").write_text(json.dumps(found, indent=1))
 
 
 def viewport(frames: Frames, found: dict[str, Any]) -> Steps:
@@ -327,21 +293,4 @@ def whole() -> Steps:
     bpy.ops.wm.quit_blender()
 
 
-def drive(steps: Steps) -> Callable[[], float | None]:
-    """A timer that takes the steps."""
-
-    def step() -> float | None:
-        try:
-            return next(steps)
-        except StopIteration:
-            return None
-        except BaseException:
-            traceback.print_exc()
-            shot("failed")
-            sys.stdout.flush()
-            os._exit(3)
-
-    return step
-
-
-bpy.app.timers.register(drive(whole()), first_interval=1.0, persistent=True)
+start(whole())

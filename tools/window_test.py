@@ -21,6 +21,8 @@ import statistics
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +43,7 @@ SAMPLE = "cornell_glass"
 PASSES = 3
 #: What runs inside of Blender.
 SCRIPTS = (
-    "window_steps.py", "frames.py", "likeness.py", "screenshots.py", "x_server.py", "xwd.py",
+    "driven.py", "frames.py", "likeness.py", "screenshots.py", "x_server.py", "xwd.py",
 )  # fmt: skip
 #: Of the display: the viewport has about a third of it.
 WIDTH, HEIGHT = 800, 560
@@ -118,27 +120,17 @@ def compare(blender: Blender, folder: Path, found: dict[str, Any]) -> None:
             found[name] |= {f"{key}{what}": value for key, value in alike.items()}
 
 
-def drive(blender: Blender, display: str, folder: Path) -> dict[str, Any]:
-    """Run the steps in a window; what they found."""
-    copies = []
-    for sample in sorted((ROOT / "sample_blends").glob("*.blend")):
-        copies.append(folder / sample.name)
-        copies[-1].write_bytes(sample.read_bytes())
-    sample = folder / f"{SAMPLE}.blend"
-    job = {
-        "folder": str(folder),
-        "passes": PASSES,
-        "samples": [str(copy) for copy in copies],
-    }
-    # Compiles: the steps in the window wait less long for a picture than that may take.
-    headless_picture(blender, sample, 64, 64, 0)
-    (folder / "job.json").write_text(json.dumps(job))
-    for script in SCRIPTS:
-        shutil.copy(ROOT / "tools" / script, folder)
+def steps_in(
+    blender: Blender, display: str, folder: Path, script: str, sample: Path, job: dict[str, Any]
+) -> dict[str, Any]:
+    """Have a Blender with a window take the steps of ``script``; what they found."""
+    (folder / "job.json").write_text(json.dumps({"folder": str(folder), **job}))
+    for name in (script, *SCRIPTS):
+        shutil.copy(ROOT / "tools" / name, folder)
     done = subprocess.run(
         [blender.command, "--offline-mode", "--window-geometry", "0",
          "0", str(WIDTH), str(HEIGHT), str(sample), "-E", "PHOTONMAP", "-P",
-         str(folder / "window_steps.py"), "--", str(folder / "job.json")],
+         str(folder / script), "--", str(folder / "job.json")],
         env={**blender.environment, "DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"},
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
         text=True, errors="replace", timeout=TIMEOUT,
@@ -148,6 +140,23 @@ def drive(blender: Blender, display: str, folder: Path) -> dict[str, Any]:
         f"Blender ended with {done.returncode}:\n{done.stdout[-6000:]}",
     )
     found: dict[str, Any] = json.loads((folder / "found.json").read_text())
+    return found
+
+
+def drive(blender: Blender, display: str, folder: Path) -> dict[str, Any]:
+    """Run the steps in a window; what they found."""
+    copies = []
+    for sample in sorted((ROOT / "sample_blends").glob("*.blend")):
+        copies.append(folder / sample.name)
+        copies[-1].write_bytes(sample.read_bytes())
+    sample = folder / f"{SAMPLE}.blend"
+    job = {
+        "passes": PASSES,
+        "samples": [str(copy) for copy in copies],
+    }
+    # Compiles: the steps in the window wait less long for a picture than that may take.
+    headless_picture(blender, sample, 64, 64, 0)
+    found = steps_in(blender, display, folder, "window_steps.py", sample, job)
     compare(blender, folder, found)
     return found
 
@@ -199,42 +208,54 @@ def tell(found: dict[str, Any]) -> None:
     print(f"    median of the edits: {medians[0]:.2f} ({medians[1]:.2f})")
 
 
-def try_window(command: str, xvfb: str, folder: Path, shots: Path) -> None:
-    """The whole of it, below ``folder``; screenshots are copied to ``shots``."""
+@contextmanager
+def installed(
+    command: str, xvfb: str, folder: Path, shots: Path
+) -> Iterator[tuple[Blender, str]]:
+    """Blender with the extension in an empty profile below ``folder``, and a display for it.
+
+    The screenshots are copied to ``shots`` at the end.
+    """
     blender = Blender(command, folder)
     probed = blender.probe("--factory-startup")
-    print(f"Blender {probed['version']}")
+    print(f"Blender {probed['version']}", flush=True)
     archive = fitting_archive(probed, folder)
     blender.run(
         "--command", "extension", "install-file", "-r", "user_default", "-e", str(archive)
     )
     server, display = start_display(xvfb)
     try:
-        found = drive(blender, display, folder)
+        yield blender, display
     finally:
         server.terminate()
         server.wait()
         shots.mkdir(parents=True, exist_ok=True)
         for dump in folder.glob("*.xwd"):
             Image.fromarray(read_xwd(dump)).save(shots / f"{dump.stem}.png", optimize=True)
+
+
+def try_window(command: str, xvfb: str, folder: Path, shots: Path) -> None:
+    """The whole of it, below ``folder``; screenshots are copied to ``shots``."""
+    with installed(command, xvfb, folder, shots) as (blender, display):
+        found = drive(blender, display, folder)
     tell(found)
     judge(found)
     print(f"  passed; the screenshots are in {shots}")
 
 
-def main() -> None:
-    """Try the Blender of the command line."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def try_as_asked(what: str, trial: Callable[[str, str, Path, Path], None], shots: Path) -> None:
+    """Take Blender, display and folder from the command line; ``what`` is its help."""
+    parser = argparse.ArgumentParser(description=what)
     parser.add_argument("blender")
     parser.add_argument("--xvfb", default="Xvfb", help="command that starts Xvfb")
-    parser.add_argument("--shots", type=Path, default=ROOT / "renders/window")
+    parser.add_argument("--shots", type=Path, default=shots)
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="photon_map_window_") as folder:
         try:
-            try_window(chosen.blender, chosen.xvfb, Path(folder), chosen.shots)
+            trial(chosen.blender, chosen.xvfb, Path(folder), chosen.shots)
         except AcceptanceError as error:
             sys.exit(f"not accepted: {error}")
 
 
 if __name__ == "__main__":
-    main()
+    try_as_asked(__doc__ or "", try_window, ROOT / "renders/window")
