@@ -63,7 +63,8 @@ def pilot(
             submit(_photons, render, prepared),
             "photon maps" if settings.photon_maps else message,
         )
-        parts = [submit(*part) for part in parts_of_pilot(prepared, settings, region, source)]
+        kept = render.kept.photons(source, settings)
+        parts = [submit(*part) for part in parts_of_pilot(prepared, settings, region, kept)]
         walks = _look_for_balance(render, source)
         told: list[Any] = []
         for part in parts:
