@@ -1,17 +1,17 @@
 """LLVM code of kernels: parts that only kernels call, and wholes that Python calls.
 
-llvmlite lets one thread at a time into LLVM. What takes long here, making a whole into
-machine code, goes past its lock, in an LLVM context and with a target of its own, so that
-meanwhile other threads lower the next kernel.
+llvmlite lets one thread at a time into LLVM, and so it must be: past its lock Blender crashed
+once while another thread linked modules, in another LLVM context even. But what takes long
+here, making a whole into machine code, needs no lock of Numba's, so that meanwhile other
+threads lower the next kernel.
 """
 
 from __future__ import annotations
 
-from ctypes import string_at
 from typing import Any
 
 from llvmlite import binding, ir
-from llvmlite.binding import Linkage, ffi
+from llvmlite.binding import Linkage
 from numba.core import config
 from numba.core.cgutils import normalize_ir_text
 from numba.core.codegen import JITCodeLibrary
@@ -150,19 +150,12 @@ class Task:
 
     def run(self) -> None:
         """Optimise, make machine code."""
-        library = ffi.lib
-        library.LLVMPY_RunNewModulePassManager._cfn(self._passes, self._module, self._builder)
-        with ffi.OutputString() as error:
-            emit = library.LLVMPY_TargetMachineEmitToMemory._cfn
-            self._buffer = emit(self._machine, self._module, 1, error)
-            if not self._buffer:
-                raise RuntimeError(str(error))
+        self._passes.run(self._module, self._builder)
+        self._code: bytes = self._machine.emit_object(self._module)
 
     def library(self) -> Any:
         """The library of the machine code, as it will be loaded from the cache next time."""
-        start = ffi.lib.LLVMPY_GetBufferStart(self._buffer)
-        code = string_at(start, ffi.lib.LLVMPY_GetBufferSize(self._buffer))
-        ffi.lib.LLVMPY_DisposeMemoryBuffer(self._buffer)
+        code = self._code
         names = self._contents()
         loaded = self._codegen.unserialize_library((self._name, "object", (code, names)))
         # What Numba reads when it writes the library to the cache.
