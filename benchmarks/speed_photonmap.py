@@ -1,6 +1,6 @@
 """Photon Map from its core, as the benchmark runs it.
 
-The kernels are loaded by a first render of one pass. The clock counts all that comes after
+The kernels are loaded by a first render, as of a pass. The clock counts all that comes after
 the building of the ray tracer, which is left out, as it is of the peers: every pilot, and
 rendering. Beside the images at the times asked for there is one at each power of two of
 the passes, and with each what the engine says of its own error.
@@ -79,8 +79,9 @@ def snapshots(
 
     Soon after each of ``times`` and of ``PASSES``.
     """
-    for _ in render(scene, settings(seed, threads, passes=1)):
-        pass
+    for update in render(scene, settings(seed, threads)):
+        if update.passes:
+            break
     ready()
     built = Built()
     waiting, powers, paused = list(times), list(PASSES), 0.0
