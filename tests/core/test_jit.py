@@ -19,6 +19,13 @@ from photon_map.core.jit import fingerprint, kernel, obey
 from photon_map.core.kernel_library import Task
 
 
+@pytest.fixture(autouse=True)
+def _nothing_kept(tmp_path, monkeypatch):
+    """What the tests define is compiled in each of them, also where they ran before."""
+    folder = tmp_path / "nothing_kept"
+    monkeypatch.setattr(jit, "cache_folder", lambda: str(folder))
+
+
 def run(folder, cache):
     """Run the small package with a kernel cache of its own; its printed result."""
     code = textwrap.dedent(
