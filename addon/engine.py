@@ -46,9 +46,12 @@ class PhotonMapEngine(bpy.types.RenderEngine):
         with guarded(self):
             if self.failure:  # Blender drops what was reported before this callback
                 raise ExportError(self.failure)
+            from .allocator import give_back
             from .final import render_final
 
             render_final(self, depsgraph)
+            if not self.is_preview:
+                give_back()
         self.failure_shown = bool(self.failure)
 
     def view_update(self, context: Any, depsgraph: Any) -> None:
@@ -86,19 +89,24 @@ def watch(
     """A timer that has ``viewport`` drawn when its worker has something new.
 
     Workers may not call Blender: the engine could be freed meanwhile. Where Python has kept
-    what Blender has freed, the timer ends the worker.
+    what Blender has freed, the timer ends the worker. At last it gives back their memory.
     """
 
     def look() -> float | None:
+        from .allocator import give_back
+
         found = engine()
         try:
-            if found is None:
-                return None
-            if viewport.has_news():
-                found.tag_redraw()
+            if found is not None:
+                if viewport.has_news():
+                    found.tag_redraw()
+                return WATCH
         except ReferenceError:
             viewport.close()
-            return None
-        return WATCH
+        if viewport.is_ending():
+            return WATCH
+        viewport.forget()
+        give_back()
+        return None
 
     return look

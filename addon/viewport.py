@@ -45,6 +45,7 @@ class ViewportRender:
         self._failure = ""
         self._warnings: tuple[str, ...] = ()
         self._worker: Worker | None = None
+        self._ending: Worker | None = None
         self._texture: Any = None
         self._drawn: Picture | None = None
         self._line = ""
@@ -123,8 +124,17 @@ class ViewportRender:
         """Stop rendering; the worker ends within a moment."""
         if self._worker is not None:
             self._worker.cancel()
-            self._worker = None
+            self._ending, self._worker = self._worker, None
         self._scene = None
+
+    def is_ending(self) -> bool:
+        """Whether the worker of a closed view still runs."""
+        return self._ending is not None and self._ending.is_alive()
+
+    def forget(self) -> None:
+        """Keep nothing of what was rendered and converted."""
+        self._memory, self._kept = ExportMemory(), KeptBox()
+        self._ending = self._texture = self._drawn = None
 
     def _fail(self, words: str) -> None:
         self.close()
