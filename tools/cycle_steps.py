@@ -1,19 +1,21 @@
 """What `tools/cycles_test.py` has a Blender with a window do; runs inside of it.
 
 Renders by F12 that are ended in five ways while a viewport shows its own, with edits between
-them: see ``ended``. When each ended and what it left goes to `found.json`.
+them: see ``ended``. When each ended and what it left goes to `found.json`. The same with
+Blender's own engine where the job names that one.
 """
 
 from __future__ import annotations
 
 import faulthandler
 import gc
+import importlib
 import os
 import random
 import sys
 import threading
 import time
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +44,12 @@ ENDLESS = 1_000_000
 WAYS = ("escape", "twice", "undo", "load", "whole")
 #: Seconds of rest in which the memory is looked at.
 REST = 0.3
+#: PHOTONMAP or, for comparison, CYCLES.
+ENGINE = JOB["engine"]
+#: Seconds that Cycles has for a picture: it does not tell of it.
+CYCLES_PICTURE = 0.5
+#: What the job has each cancelled render leave behind, to see whether that is noticed.
+PLANTED: list[bytes] = []
 
 
 def within() -> Any:
@@ -90,9 +98,57 @@ def load(which: int) -> None:
         bpy.ops.wm.open_mainfile(filepath=JOB["files"][which], load_ui=False)
 
 
+def prepare() -> None:
+    """Settings of the file that stay the same."""
+    scene = bpy.context.scene
+    scene.render.engine, scene.render.resolution_percentage = ENGINE, 25
+    if ENGINE == "PHOTONMAP":
+        scene.photon_map.seconds = 0.0
+    else:
+        scene.cycles.use_adaptive_sampling = False
+        scene.cycles.use_denoising = scene.cycles.use_preview_denoising = False
+
+
+def set_passes(count: int) -> None:
+    """F12 ends by itself after so many."""
+    if ENGINE == "PHOTONMAP":
+        bpy.context.scene.photon_map.passes = count
+    else:
+        bpy.context.scene.cycles.samples = count
+
+
+def until_shown(shown: list[float], pictures: int) -> Steps:
+    """Wait until F12 shows more than so many."""
+    if ENGINE == "PHOTONMAP":
+        yield from until(lambda: len(shown) > pictures, "F12 shows nothing")
+    else:
+        yield from until(renders, "F12 does not begin")
+        yield CYCLES_PICTURE
+
+
+def allowed(write: Callable[[], None]) -> bool:
+    """Do it, unless Blender forbids it: 4.3 may as another thread of Cycles calls Python."""
+    try:
+        write()
+    except AttributeError as error:
+        if "not allowed" not in str(error):
+            raise
+        return False
+    return True
+
+
+def shift(name: str, axis: int, distance: float) -> Steps:
+    """Move an object."""
+
+    def write() -> None:
+        bpy.data.objects[name].location[axis] += distance
+
+    yield from until(lambda: allowed(write), f"{name} cannot be moved")
+
+
 def edit_in_viewport(rng: random.Random) -> Steps:
     """Move a lamp, add, move and delete an object, undo and redo, as the viewport renders."""
-    lamp().location.x += rng.uniform(-0.1, 0.1)
+    yield from shift(lamp().name, 0, rng.uniform(-0.1, 0.1))
     edited("move a lamp")
     yield rng.choice((0.0, 0.1, 0.3))
     with within():
@@ -105,7 +161,7 @@ def edit_in_viewport(rng: random.Random) -> Steps:
     with within():
         bpy.ops.ed.redo()
     yield rng.choice((0.0, 0.1))
-    bpy.data.objects[name].location.z += 0.1
+    yield from shift(name, 2, 0.1)
     yield rng.choice((0.0, 0.1))
     bpy.data.objects.remove(bpy.data.objects[name])
     edited("delete it")
@@ -118,8 +174,8 @@ def ended(way: str, rng: random.Random, shown: list[float]) -> Generator[float, 
     ``shown``: when final renders show pictures. Objects are deleted and undone only between
     renders: Blender itself does not bear it in the moment when one starts.
     """
-    scene, pictures = bpy.context.scene, len(shown)
-    scene.photon_map.passes = 2 if way == "whole" else ENDLESS
+    pictures = len(shown)
+    set_passes(2 if way == "whole" else ENDLESS)
     answer = press_f12()
     if "RUNNING_MODAL" not in answer:
         raise AssertionError(f"F12 does not start: {answer}")
@@ -134,8 +190,8 @@ def ended(way: str, rng: random.Random, shown: list[float]) -> Generator[float, 
             raise AssertionError(f"a second F12 is not refused: {answer}")
         yield rng.choice((0.0, 0.05, 0.2))
     else:
-        yield from until(lambda: len(shown) > pictures, "F12 shows nothing")
-        lamp().location.y += rng.uniform(-0.05, 0.05)
+        yield from until_shown(shown, pictures)
+        yield from shift(lamp().name, 1, rng.uniform(-0.05, 0.05))
         edited("move a lamp below a render")
         yield rng.choice((0.0, 0.1, 0.3))
     begin = time.monotonic()
@@ -148,12 +204,15 @@ def ended(way: str, rng: random.Random, shown: list[float]) -> Generator[float, 
         yield from until(lambda: not renders(), "Escape does not end F12", 60.0)
     if renders():
         raise AssertionError(f"F12 goes on after: {way}")
+    PLANTED.append(os.urandom(int(JOB["planted"] * 2**20)))
     return time.monotonic() - begin
 
 
 def cycles(found: dict[str, Any]) -> Steps:
     """All of them; each ends with the rendered view off, no thread of ours and a rest."""
-    rng, shown = random.Random(5), films(MODULE)
+    rng = random.Random(5)
+    shown = films(MODULE) if ENGINE == "PHOTONMAP" else []
+    give_back = importlib.import_module(f"{MODULE}.addon.allocator").give_back
     for k in range(JOB["cycles"]):
         way = WAYS[k % len(WAYS)]
         print(f"cycle {k}: {way}", flush=True)
@@ -167,13 +226,22 @@ def cycles(found: dict[str, Any]) -> Steps:
         what = f"threads are left by cycle {k}, {way}"
         yield from until(lambda: not ours(), what, 30.0)
         left = time.monotonic() - begin
+        unsettled = yield from resting()  # in which timers let go of the view
         gc.collect()
-        rest = time.monotonic()
-        yield REST
+        found["allocators"] = give_back()
+        settled = yield from resting()
         found["cycles"].append(
-            {"way": way, "seconds": seconds, "left": left, "rest": [rest, time.monotonic()],
-             "objects": len(gc.get_objects()), "load": os.getloadavg()[0]}
+            {"way": way, "seconds": seconds, "left": left, "unsettled": unsettled,
+             "settled": settled, "objects": len(gc.get_objects()), "load": os.getloadavg()[0]}
         )  # fmt: skip
+
+
+def resting() -> Generator[float, None, list[float]]:
+    """Do nothing; from when to when."""
+    yield 0.0  # a timer's time counts from the begin of the step before
+    begin = time.monotonic()
+    yield REST
+    return [begin, time.monotonic()]
 
 
 def right_picture(frames: Frames, found: dict[str, Any]) -> Steps:
@@ -204,14 +272,13 @@ def whole() -> Steps:
     for name in JOB["files"]:
         with bpy.context.temp_override(window=window()):
             bpy.ops.wm.open_mainfile(filepath=name, load_ui=False)
-        render = bpy.context.scene.render
-        render.engine, render.resolution_percentage = "PHOTONMAP", 25
-        bpy.context.scene.photon_map.seconds = 0.0
+        prepare()
         bpy.ops.wm.save_mainfile()
         yield 0.2
-    frames = Frames(MODULE)
-    yield from told(cycles(found), "cycles", found)
-    yield from told(right_picture(frames, found), "the last picture", found)
+    frames = Frames(MODULE) if ENGINE == "PHOTONMAP" else None
+    yield from told(cycles(found), f"cycles with {ENGINE}", found)
+    if frames is not None:
+        yield from told(right_picture(frames, found), "the last picture", found)
     bpy.ops.wm.quit_blender()
 
 

@@ -243,16 +243,26 @@ def try_window(command: str, xvfb: str, folder: Path, shots: Path) -> None:
     print(f"  passed; the screenshots are in {shots}")
 
 
-def try_as_asked(what: str, trial: Callable[[str, str, Path, Path], None], shots: Path) -> None:
-    """Take Blender, display and folder from the command line; ``what`` is its help."""
+def try_as_asked(
+    what: str,
+    trial: Callable[..., None],
+    shots: Path,
+    more: Callable[[argparse.ArgumentParser], None] = lambda parser: None,
+) -> None:
+    """Take Blender, display and folder from the command line; ``what`` is its help.
+
+    ``more`` adds options, which ``trial`` gets by their names.
+    """
     parser = argparse.ArgumentParser(description=what)
+    more(parser)
     parser.add_argument("blender")
     parser.add_argument("--xvfb", default="Xvfb", help="command that starts Xvfb")
     parser.add_argument("--shots", type=Path, default=shots)
-    chosen = parser.parse_args()
+    chosen = vars(parser.parse_args())
+    command, xvfb, shots = (chosen.pop(name) for name in ("blender", "xvfb", "shots"))
     with tempfile.TemporaryDirectory(prefix="photon_map_window_") as folder:
         try:
-            trial(chosen.blender, chosen.xvfb, Path(folder), chosen.shots)
+            trial(command, xvfb, Path(folder), shots, **chosen)
         except AcceptanceError as error:
             sys.exit(f"not accepted: {error}")
 
