@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.borders import ABOVE, BELOW, CROSSING, Borders
-from ..geometry.vector import Vector, basis, dot, read, scale, subtract
+from ..geometry.vector import Vector, add, basis, dot, read, scale, subtract
 from ..jit import Row, Table, kernel
 from .cells import bucket_of, cell_key
 from .gather import LEAST_COSINE
@@ -39,6 +39,10 @@ MOST_IN_CELL = 256
 #: Faces turned over belong to a surface when they lie in its plane, to this part of the
 #: radius; else they are the back of something thin.
 _IN_PLANE = 1e-3
+
+
+#: Pieces lie on one line if their ends are this near to it [radii].
+ONE_LINE = 1e-2
 
 
 class BorderGrid(NamedTuple):
@@ -165,21 +169,59 @@ def on_disc(
 
 
 @kernel
-def comes_near(
-    grid: Row, p: Vector, ng: Vector, outside: bool, radius: float, reach: float
-) -> bool:
-    """Whether a border comes as near to ``p`` as ``reach`` (1 at most) of the radius."""
+def line_near(
+    grid: Row,
+    p: Vector,
+    outside: bool,
+    radius: float,
+    reach: float,
+    n: Vector,
+) -> tuple[int, Vector, float]:
+    """Borders that come as near to ``p`` as ``reach`` (1 at most) of the radius.
+
+    Returns how many lines they lie on (0, 1, or 2 for more) and, of one, a unit normal in the
+    plane and its distance from ``p`` along that [radii]. ``n``, ``outside``: as for
+    ``look_around``.
+    """
+    none = (0.0, 0.0, 0.0)
     first, last, key = pieces_near(grid, p)
     if first == last:
-        return False
-    n = ng if outside else scale(ng, -1.0)
+        return 0, none, 0.0
+    by_winding = n if outside else scale(n, -1.0)
     frame = basis(n)
+    longest = 0.0
+    x = y = distance = 0.0
+    found = 0
     for k in range(first, last):
-        if lies_by(grid, k, key, p, n, radius) != 0.0:
-            a, b = on_disc(grid, grid.piece[k], p, frame, 1.0 / radius)
-            if _nearest(a[0], a[1], b[0], b[1]) < reach * reach:
-                return True
-    return False
+        if lies_by(grid, k, key, p, by_winding, radius) == 0.0:
+            continue
+        a, b = on_disc(grid, grid.piece[k], p, frame, 1.0 / radius)
+        if _nearest(a[0], a[1], b[0], b[1]) >= reach * reach:
+            continue
+        found += 1
+        dx = b[0] - a[0]
+        dy = b[1] - a[1]
+        length = math.sqrt(dx * dx + dy * dy)
+        if length > longest:
+            longest = length
+            x = -dy / length
+            y = dx / length
+            distance = x * a[0] + y * a[1]
+    if found == 0:
+        return 0, none, 0.0
+    if longest == 0.0:
+        return 2, none, 0.0
+    for k in range(first, last):
+        if lies_by(grid, k, key, p, by_winding, radius) == 0.0:
+            continue
+        a, b = on_disc(grid, grid.piece[k], p, frame, 1.0 / radius)
+        if _nearest(a[0], a[1], b[0], b[1]) >= reach * reach:
+            continue
+        for end in (a, b):
+            if abs(x * end[0] + y * end[1] - distance) > ONE_LINE:
+                return 2, none, 0.0
+    t, s = frame
+    return 1, add(scale(t, x), scale(s, y)), distance
 
 
 @kernel

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from photon_map.core.camera_pass.indirect import gather_indirect
-from photon_map.core.camera_pass.patches import EDGE, PATCH, place_of
+from photon_map.core.camera_pass.patches import (
+    APART,
+    EDGE,
+    HALVES,
+    PATCH,
+    SMALL_EDGE,
+    WHOLE,
+    place_of,
+)
 from photon_map.core.camera_pass.records import VERTEX
 from photon_map.core.film.film import SAMPLE
 from photon_map.core.geometry.borders import joined as all_of
@@ -123,7 +131,7 @@ def test_no_patch_reaches_through_a_wall(rng, apart):
         grid = borders(left, right, wall)
     lit = photons(rng, 40000, 0.003, 1)
     dark = ends(rng, 2000, rng.uniform(-0.05, 0.0029, 2000))
-    middles = np.array([place_of(p, UP, RADIUS, True, 1)[1] for p in dark["p"]])
+    middles = np.array([place_of(p, UP, RADIUS, True, 1, EDGE)[1] for p in dark["p"]])
     assert (middles[:, 0] > 0.003).any(), "the test would see nothing"
     assert light(lit, grid, dark).max() == 0.0
     bright = ends(rng, 2000, rng.uniform(0.0031, 0.05, 2000))
@@ -147,3 +155,58 @@ def test_glossy_places_are_estimated_one_by_one(rng, floor):
     vertices["wo"] /= np.linalg.norm(vertices["wo"], axis=1)[:, None]
     lobe = phong(0.5, 2)
     assert len(np.unique(light(photons(rng, 20000, -1, 1), floor, vertices, lobe=lobe))) > 290
+
+
+def kept_by(grid, vertices, lit):
+    """Light of ``vertices``, and which sorts of patches were made for them."""
+    patches = np.zeros(1 << 14, PATCH)
+    return light(lit, grid, vertices, 1, patches), patches["cut"][patches["key"] != 0]
+
+
+def test_a_border_makes_two_halves_that_are_shared(rng):
+    """A table's edge runs through patches at a slant: their light is even up to it."""
+    s = np.sqrt(0.5)
+    corners = [(-0.9, 0, 0), (0, -0.9, 0), (0.9, 0, 0), (0, 0.9, 0)]
+    grid = borders(scenes.quad(*corners))
+    lit = photons(rng, 40000, -1, 1)
+    on = np.abs(lit.places[:, 0]) + np.abs(lit.places[:, 1]) < 0.9
+    lit.photons["flux"][~on] = 0.0
+    along, inside = rng.uniform(-0.4, 0.4, 4000), rng.uniform(0.004, 0.03, 4000)
+    vertices = ends(rng, 4000, 0.0)
+    edge = np.array([0.45, 0.45, 0.0])
+    vertices["p"] = edge + along[:, None] * [s, -s, 0] - inside[:, None] * [s, s, 0]
+    found, cut = kept_by(grid, vertices, lit)
+    assert {WHOLE, HALVES} <= set(cut)
+    assert len(np.unique(found)) < len(vertices) / 10
+    assert found.mean() == pytest.approx(1.0, abs=0.03)
+
+
+def test_where_lines_cross_patches_are_smaller(rng):
+    """Walls that cross in the middle of patches: each quarter keeps its own light."""
+    walls = [
+        scenes.quad((0.003, -1, -1), (0.003, 1, -1), (0.003, 1, 1), (0.003, -1, 1)),
+        scenes.quad((-1, 0.004, -1), (1, 0.004, -1), (1, 0.004, 1), (-1, 0.004, 1)),
+    ]
+    grid = borders(scenes.plane(), *walls)
+    lit = photons(rng, 1_000_000, -1, 1)
+    bright = (lit.places[:, 0] > 0.003) == (lit.places[:, 1] > 0.004)
+    lit.photons["flux"][~bright] = 0.0
+    vertices = ends(rng, 4000, rng.uniform(-0.03, 0.03, 4000))
+    vertices["p"][:, 1] = rng.uniform(-0.03, 0.03, 4000)
+    x, y = vertices["p"][:, 0] - 0.003, vertices["p"][:, 1] - 0.004
+    seen = (x > 0) == (y > 0)
+    clear = np.minimum(abs(x), abs(y)) > 1e-4
+    found, cut = kept_by(grid, vertices, lit)
+    assert {WHOLE, HALVES, APART} <= set(cut)
+    assert found[clear & ~seen].max() == 0.0
+    assert found[clear & seen].mean() == pytest.approx(1.0, abs=0.04)
+    assert len(np.unique(found)) < len(vertices) / 2
+
+
+def test_patches_of_both_sizes_have_keys_of_their_own():
+    places = np.random.default_rng(2).uniform(-1, 1, (200, 3)) * [1, 1, 0]
+    keys = [
+        {place_of(tuple(p), UP, RADIUS, True, 1, edge)[0] for p in places}
+        for edge in (EDGE, SMALL_EDGE)
+    ]
+    assert not keys[0] & keys[1]
