@@ -12,6 +12,7 @@ from itertools import islice
 
 from .camera_pass.chunk import PhotonMaps
 from .camera_pass.pixels import Region
+from .disc_size import DiscSize, sizes_discs
 from .guide_pass import guided, wants_guide
 from .jit import has_compiled, set_compiled
 from .kept import Kept
@@ -70,6 +71,7 @@ class _Render(RenderState):
             )
             prepared, source, afforded, radii, walks = yield from pilot(self, prepared, message)
             traced = isinstance(source, TracedPhotons)
+            discs = DiscSize(traced and sizes_discs(self.settings))
             self._afford(afforded, traced)
             source = self.kept.photons(source, self.settings)
             self.kept.leave(self.memory.expect(afforded.stored, radii))
@@ -87,7 +89,7 @@ class _Render(RenderState):
                 radii, other = yield from looked
                 source = other or source
             sides = sides_of(self.scene, self.settings, prepared, source)
-            yield from self._passes(sides, radii)
+            yield from self._passes(sides, radii, discs)
             yield self.update("done", "")
         finally:
             self.stop.set()
@@ -106,7 +108,9 @@ class _Render(RenderState):
                     self.settings, photons_caustic=caustic, photons_global=global_
                 )
 
-    def _passes(self, sides: list[Side], radii: Radii) -> Generator[Update, None, None]:
+    def _passes(
+        self, sides: list[Side], radii: Radii, discs: DiscSize
+    ) -> Generator[Update, None, None]:
         """Passes until a limit is met; photons are traced up to two passes ahead.
 
         So there is always work in the queue while a map is sorted, and no thread idles at
@@ -117,7 +121,8 @@ class _Render(RenderState):
 
         def launch(end: int) -> None:
             for k in range(i + len(maps), min(end, self.settings.passes)):
-                maps.append(self.queue.photons(self.settings, radii, sides, k))
+                sized = radii.with_caustics(discs.factor(k))
+                maps.append(self.queue.photons(self.settings, sized, sides, k))
 
         for i in range(self.settings.passes):
             if self.lesson is not None:
@@ -127,6 +132,7 @@ class _Render(RenderState):
                 sides = [side.guided(guide) for side in sides]
                 self.plan = self.plan._replace(stages=(*self.plan.stages, stage))
                 self.lesson = None
+            discs.look(i, self.film)
             launch(i + ahead)
             current = yield from self.watch(maps[0], "", "render")
             self._count(current)
