@@ -9,21 +9,21 @@ from .pilot import CROWD, PILOT_PASS
 from .plan import Plan, Stage
 from .prepared import Prepared
 from .settings import Settings
+from .steps import Steps
 
 
-def with_focus(prepared: Prepared, settings: Settings, caustics: bool) -> Prepared:
-    """``prepared`` with the places where photons crowd, by ``CROWD`` paths of each kind.
+def focus_of(prepared: Prepared, settings: Settings, caustics: bool) -> Steps[Focus]:
+    """The places where photons crowd, by ``CROWD`` paths of each kind.
 
     ``caustics``: whether there will be caustic photons. The camera plays no part, so that
     photons serve whatever it sees.
     """
-
-    def walk(caustic: bool) -> Walk:
-        batch = Batch(caustic, 0, CROWD, CROWD)
-        return trace_batch(prepared, settings, PILOT_PASS, batch)
-
-    found = find_focus(walk(False), walk(True) if caustics else None, settings.photon_depth)
-    return prepared._replace(focus=found)
+    kinds = (True, False) if caustics else (False,)
+    walks: list[Walk] = yield [
+        (trace_batch, prepared, settings, PILOT_PASS, Batch(caustic, 0, CROWD, CROWD))
+        for caustic in kinds
+    ]
+    return find_focus(walks[-1], walks[0] if caustics else None, settings.photon_depth)
 
 
 def wants_focus(settings: Settings, plan: Plan) -> bool:

@@ -8,7 +8,7 @@ from threading import Event, Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from .focus_pass import wants_focus, with_focus, with_focus_stage
+from .focus_pass import focus_of, wants_focus, with_focus_stage
 from .photon_pass import Batch, PhotonSource
 from .photons.focus import Focus
 from .photons.trace import Walk
@@ -17,6 +17,7 @@ from .prepared import Prepared, prepare, with_camera
 from .scene.alike import alike
 from .scene.scene import Scene
 from .settings import Settings
+from .steps import Steps
 
 #: Photons are kept up to so much memory [bytes]; later passes trace them again.
 MOST_BYTES = 1 << 28
@@ -85,7 +86,7 @@ class Kept:
 
     def focused(
         self, prepared: Prepared, settings: Settings, plan: Plan
-    ) -> tuple[Prepared, Plan]:
+    ) -> Steps[tuple[Prepared, Plan]]:
         """``prepared`` with the places where photons crowd, and the plan that tells of them.
 
         As they are where nobody asks for them.
@@ -99,7 +100,7 @@ class Kept:
             known = None
         found = known.focus.get(key) if known is not None else None
         if found is None:
-            found = with_focus(prepared, settings, caustics).focus
+            found = yield from focus_of(prepared, settings, caustics)
             if known is not None:
                 known.focus[key] = found
         return prepared._replace(focus=found), with_focus_stage(plan, found)

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Generator
 from concurrent.futures import Future
 from functools import partial
-from typing import Any, NamedTuple
+from itertools import chain
+from typing import NamedTuple
 
 from .ahead import compile_ahead
 from .aim_pass import aimed, wants_aim
@@ -54,9 +55,8 @@ def pilot(
     """Where photons come from, and what the pilot tells."""
     submit, settings, region = render.queue.submit, render.settings, render.region
     submit(compile_ahead, prepared, settings, render.plan, region)
-    prepared, render.plan = yield from render.watch(
-        submit(render.kept.focused, prepared, settings, render.plan), message
-    )
+    focused = render.kept.focused(prepared, settings, render.plan)
+    prepared, render.plan = yield from render.run(focused, message)
     learns = wants_aim(settings, render.plan, region)
     while True:
         source, afforded = yield from render.watch(
@@ -66,18 +66,14 @@ def pilot(
         kept = render.kept.photons(source, settings)
         parts = [submit(*part) for part in parts_of_pilot(prepared, settings, region, kept)]
         walks = _look_for_balance(render, source)
-        told: list[Any] = []
-        for part in parts:
-            told.append((yield from render.watch(part, message)))
-        sizes, crowd, shadows = told
+        sizes, crowd, shadows = yield from render.watch_all(parts, message)
         if learns and crowd is not None:
             asked = (prepared, settings, render.plan, sizes.views, crowd)
             before, learns = prepared, False
             prepared, render.plan = yield from render.watch(submit(aimed, *asked), message)
             if prepared is not before:
                 # Photons for one view serve no other, and those so far were not these.
-                for walk in (walk for walks_of_pass in walks for walk in walks_of_pass):
-                    yield from render.watch(walk, message)
+                yield from render.watch_all(chain.from_iterable(walks), message)
                 render.kept.leave(0)
                 continue
         return Piloted(prepared, source, afforded, pilot_of(sizes, crowd, shadows), walks)
@@ -115,18 +111,12 @@ def balance(
     found: list[Walk] = []
     maps = []
     while walks:
-        futures = walks.pop(0)
-        found = []
-        for future in futures:
-            found.append((yield from render.watch(future, asked)))
+        found = yield from render.watch_all(walks.pop(0), asked)
         maps.append(photon_maps(before, radii, 0, batches, found))
     parts = [
         render.queue.submit(*part) for part in parts_of_look(prepared, before, region, maps)
     ]
-    shown: list[Any] = []
-    for part in parts:
-        shown.append((yield from render.watch(part, asked)))
-    one, two, three, direct = shown
+    one, two, three, direct = yield from render.watch_all(parts, asked)
     seen = Look(one, two, three, direct, batches, found)
     render.density.caustics = caustics_by_paths(seen)
     stored = stored_in(batches, found)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import Future, wait
 from typing import Any, TypeVar
 
@@ -85,6 +85,15 @@ class RenderState:
             yield self.update(phase, message)
         return future.result()
 
+    def watch_all(
+        self, futures: Iterable[Future[_T]], message: str, phase: Phase = "setup"
+    ) -> Generator[Update, None, list[_T]]:
+        """As ``watch``, for all of ``futures``; their results in this order."""
+        found: list[_T] = []
+        for future in futures:
+            found.append((yield from self.watch(future, message, phase)))
+        return found
+
     def run(
         self, steps: Steps[_T], message: str, phase: Phase = "setup"
     ) -> Generator[Update, None, _T]:
@@ -97,6 +106,4 @@ class RenderState:
                 result: _T = end.value
                 return result
             futures = [self.queue.submit(*part) for part in parts]
-            found = []
-            for future in futures:
-                found.append((yield from self.watch(future, message, phase)))
+            found = yield from self.watch_all(futures, message, phase)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..focus_pass import wants_focus, with_focus
+from ..focus_pass import focus_of, wants_focus
 from ..photon_memory import Afforded, Budget, Stored, emitted
 from ..photon_pass import Batch, PhotonSource, TracedPhotons, photon_batches
 from ..photons.trace import PHOTON, Walk
@@ -19,6 +19,7 @@ from ..prepared import Prepared, prepare
 from ..sampling.rng import REPLICATES
 from ..scene.scene import Scene
 from ..settings import AUTOMATIC, Settings
+from ..steps import run
 from .fingerprint import TRACING_VERSION, changes, fingerprint
 from .maps_file import MOST_KEPT, BakeError, BakeHeader, MapsFile, write_maps
 
@@ -54,7 +55,8 @@ def bake(
     assert camera is not None  # prepare has looked
     plan = Plan.of(scene, settings)
     if wants_focus(settings, plan):
-        prepared = with_focus(prepared, settings, plan.is_on("caustics"))
+        found = run(focus_of(prepared, settings, plan.is_on("caustics")))
+        prepared = prepared._replace(focus=found)
     batches = photon_batches(plan, settings, camera.width * camera.height)
     source = TracedPhotons(prepared, settings, batches)
     return write_bake(scene, settings, prepared, source, path, passes, on_pass)
