@@ -27,6 +27,8 @@ DEPTH = 32
 #: Between two looks at the clock [s].
 PAUSE = 0.02
 
+DEPTH_OF_PHOTONS = "path.photongi.photon.maxdepth"
+
 
 def cached_path(
     size: float, photons: int, radius: float, least: float, samples: int
@@ -40,7 +42,7 @@ def cached_path(
         "sampler.type": "SOBOL",
         "path.photongi.sampler.type": "RANDOM",
         "path.photongi.photon.maxcount": photons,
-        "path.photongi.photon.maxdepth": DEPTH,
+        DEPTH_OF_PHOTONS: DEPTH,
         # Left at 0, LuxCore first looks for seconds for a good one.
         "path.photongi.visibility.lookup.radius": 0.01 * size,
         "path.photongi.visibility.maxsamplecount": 1 << 17,
@@ -82,6 +84,10 @@ def snapshots(
         model = pyluxcore.Scene()
         model.Parse(properties(scene_values(parts, Path(folder))))
         settings = common(parts, seed, threads) | modes(parts.size)[engine]
+        if DEPTH_OF_PHOTONS in settings:
+            # Sessions of all seeds would begin with the same photons: they have seeds of
+            # their own. Paths of another length take other numbers from the same stream.
+            settings[DEPTH_OF_PHOTONS] += seed % 64
         session = pyluxcore.RenderSession(pyluxcore.RenderConfig(properties(settings), model))
         ready()
         begin = time.perf_counter()

@@ -11,7 +11,7 @@ import pytest
 from photon_map.core import Settings, render
 from photon_map.core.camera_pass import chunk
 from photon_map.core.film.layers import KIND_COLORS, KIND_LAYERS
-from photon_map.core.focus_pass import with_focus
+from photon_map.core.focus_pass import focus_of
 from photon_map.core.photons.focus import FOCUSED
 from photon_map.core.photons.trace import trace_photons
 from photon_map.core.prepared import prepare
@@ -21,6 +21,7 @@ from photon_map.core.scene.closures import glossy
 from photon_map.core.scene.lobes import Lobe, dielectric, diffuse, mirror
 from photon_map.core.scene.scene import Scene
 from photon_map.core.scene.tables import Visibility
+from photon_map.core.steps import run
 from photon_map.tests import scenes
 
 FEW = Settings(
@@ -90,7 +91,7 @@ def pictures(scene: Scene, settings: Settings) -> np.ndarray:
 def test_the_mean_is_that_of_gather_rays(name: str):
     """t-test of the mean difference, at 0.1 %, beside 1 % for the discs' own blur."""
     scene = SCENES[name]
-    assert with_focus(prepare(scene, FEW), FEW, True).focus.found > 0
+    assert run(focus_of(prepare(scene, FEW), FEW, True)).found > 0
     many = replace(FEW, passes=16, gather_rays=16)
     on, off = (pictures(scene, replace(many, focus=focus)) for focus in (True, False))
     means = on.mean(axis=(1, 2, 3)) - off.mean(axis=(1, 2, 3))
@@ -122,7 +123,7 @@ def test_flux_is_shared_out_and_none_is_lost():
     """What gather rays are left, and what the same photon leaves behind, are its flux."""
     scene = SCENES["lamp"]
     plain = prepare(scene, FEW)
-    found = with_focus(plain, FEW, False)
+    found = plain._replace(focus=run(focus_of(plain, FEW, False)))
 
     def walk(prepared):  # type: ignore[no-untyped-def]
         return trace_photons(
