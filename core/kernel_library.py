@@ -1,7 +1,7 @@
 """LLVM code of kernels: parts that only kernels call, and wholes that Python calls.
 
-llvmlite lets one thread at a time into LLVM, and so it must be: past its lock Blender crashed
-once while another thread linked modules, in another LLVM context even. But what takes long
+llvmlite lets one thread at a time into LLVM, and so it stays: past its lock Blender crashed
+once while another thread linked modules. But what takes long
 here, making a whole into machine code, needs no lock of Numba's, so that meanwhile other
 threads lower the next kernel.
 """
@@ -137,7 +137,9 @@ class Task:
         codegen = whole._codegen
         self._name, self._codegen = whole.name, codegen
         code = whole._final_module.as_bitcode()
-        self._module = binding.parse_bitcode(code, binding.create_context())
+        # In LLVM's own context: what is freed with another one in one go of the garbage
+        # collector, which has no order, may be freed after it.
+        self._module = binding.parse_bitcode(code)
         options: dict[str, Any] = {"opt": config.OPT}
         codegen._customize_tm_options(options)
         target = binding.Target.from_triple(binding.get_process_triple())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import subprocess
 import sys
 import textwrap
@@ -296,3 +297,40 @@ def twice(x):
     )
     assert run(sources, cache) == 41
     assert run(sources, cache) == 41
+
+
+def test_a_kernel_given_up_is_collected_in_any_order(tmp_path):
+    """Finalizers of cyclic garbage have no order: LLVM's modules may not outlive their context.
+
+    Blender 5.2 crashed in one that was freed after it.
+    """
+    script = tmp_path / "given_up.py"
+    script.write_text("""
+import gc
+from photon_map.core.jit import kernel
+from photon_map.core.kernel_library import Task
+
+make = Task.__init__
+
+def in_a_cycle(task, whole):
+    make(task, whole)
+    task.itself = task
+
+Task.__init__ = in_a_cycle
+gc.disable()
+def adding(k):
+    @kernel
+    def given_up(x):
+        return x + k
+    return given_up
+
+for k in range(20):
+    assert adding(k)(1.0) == 1.0 + k
+assert gc.collect() > 0
+print("alive")
+""")
+    done = subprocess.run(
+        [sys.executable, str(script)], capture_output=True, text=True, timeout=120,
+        env={**os.environ, "PHOTON_MAP_CACHE_DIR": str(tmp_path / "kept")},
+    )  # fmt: skip
+    assert done.stdout == "alive\n", (done.returncode, done.stderr)
