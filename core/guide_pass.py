@@ -19,7 +19,6 @@ from .camera_pass.chunk import PhotonMaps, follow, send_gather, trace_camera, wi
 from .camera_pass.guide import Guide, copy_places, find_sides, no_guide, note_rays
 from .camera_pass.indirect import gather_indirect, gather_order
 from .camera_pass.next_event import light_directly
-from .camera_pass.patches import own_patches
 from .camera_pass.pixels import Pixels, Region
 from .camera_pass.rays import Lit, Rays
 from .camera_pass.records import VERTEX
@@ -185,8 +184,7 @@ def _send(
     none = np.zeros(len(far.vertices), np.bool_)
     gather_indirect(
         far.lobes, maps.global_, maps.global_borders, maps.global_radius, far.vertices,
-        gather_order(maps.global_, far.vertices, none), rows, np.zeros(SIGHT), own_patches(),
-        maps.salt,
+        gather_order(maps.global_, far.vertices, none), rows, np.zeros(SIGHT), maps.patches,
     )  # fmt: skip
     wanted = TOGETHER * ends.vertices["portion"]
     light = (rows["direct"] + rows["indirect"]) * wanted[owner, None]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import count
 from typing import Protocol
 
 import numpy as np
@@ -14,6 +13,7 @@ from .camera_pass.chunk import PhotonMaps
 from .camera_pass.connections import connect
 from .camera_pass.density import DensityMaps
 from .camera_pass.light_image import light_image
+from .camera_pass.patches import no_patches
 from .film.layers import DENSITY_LAYER
 from .photons.focus import parted
 from .photons.photon_map import build_photon_map
@@ -25,9 +25,6 @@ from .plan import Plan
 from .prepared import Prepared
 from .sampling.rng import PHOTON_CAUSTIC, PHOTON_GLOBAL
 from .settings import Settings
-
-#: Numbers by which maps tell their patches from those of others.
-_SALTS = count(1)
 
 
 @dataclass(frozen=True)
@@ -161,7 +158,7 @@ def photon_maps(
         emitted=sum(b.count for b in batches),
         stored=sum(len(w.photons) for w in walks),
         rays=sum(w.rays for w in walks),
-        salt=next(_SALTS),
+        patches=no_patches(),
         shadows=radii.shadows,
         crowd=radii.crowd_of(paths),
         counted=DensityMaps.of(caustic_map, global_map) if counts else None,

@@ -27,7 +27,6 @@ from .kinds import KindLight, add_rows
 from .light_image import LightImage
 from .near import NEAR, add_as_indirect, begin_again, ends_near
 from .next_event import light_directly
-from .patches import own_patches
 from .paths import step_paths
 from .pixels import Pixels, Region
 from .rays import Lit, Rays
@@ -41,10 +40,11 @@ class PhotonMaps(NamedTuple):
 
     The borders are those of the surfaces, for discs near them; ``shadows``: what spares shadow
     rays, None when they are all traced; ``crowd``: where discs of caustics are smaller.
-    ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m]; ``salt``: a
-    number of its own. ``counted``: the maps to ask how many photons there are, None when no
-    layer tells it. ``focus``: what crowded places send out, None without, with discs of
-    ``focus_radii``, as those of caustics. ``connected``: caustics by the light image, or None.
+    ``caustic_radii``: (pixel footprints, least, most [m]); ``global_radius`` [m];
+    ``patches``: a ``PATCH`` table of the global map. ``counted``: the maps to ask how many
+    photons there are, None when no layer tells it. ``focus``: what crowded places send out,
+    None without, with discs of ``focus_radii``, as those of caustics. ``connected``: caustics
+    by the light image, or None.
     """
 
     caustic: PhotonMap | None
@@ -56,7 +56,7 @@ class PhotonMaps(NamedTuple):
     emitted: int
     stored: int
     rays: int
-    salt: int
+    patches: NDArray[np.void]
     shadows: ShadowMap | None = None
     crowd: Crowd | None = None
     counted: DensityMaps | None = None
@@ -168,7 +168,7 @@ def _gather(
         gather_indirect(
             far.lobes, maps.global_, maps.global_borders, maps.global_radius, far.vertices,
             gather_order(maps.global_, far.vertices, near), rows, np.zeros(SIGHT),
-            own_patches(), maps.salt,
+            maps.patches,
         )  # fmt: skip
         if near.any():
             # The few that are near are copied; the room is needed anew.

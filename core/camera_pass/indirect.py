@@ -141,16 +141,14 @@ def gather_indirect(
     samples: Table,
     sight: Table,
     patches: Table,
-    salt: int,
 ) -> None:
     """Add the indirect layer: ``vertices`` are where the gather rays ended.
 
-    ``sight`` (SIGHT,) is overwritten; ``patches`` and ``salt``: see ``add_shared``.
+    ``sight`` (SIGHT,) is overwritten; ``patches``: those known of this photon map.
     """
     for k in order:
         vertex = vertices[k]
         sample = samples[vertex.slot]
         add_shared(
-            sample.indirect, sample, vertex, lobes, photon_map, borders, radius, sight,
-            patches, salt,
+            sample.indirect, sample, vertex, lobes, photon_map, borders, radius, sight, patches
         )  # fmt: skip

@@ -4,6 +4,8 @@ Christensen 1999 asks the photon map once for each photon and lets final-gather 
 nearest answer. Here the places are those of a grid in the plane of the surface, so that they
 have nothing to do with where photons lie, and an answer hangs on the place alone: whichever
 ray, chunk or thread asks first, it is the same to the last bit, and may be worked out twice.
+All threads share the table of a photon map, without locks: an answer that one of them is
+just writing does not fit its key (Hyatt & Mann 2002, "A lock-less transposition table").
 
 A border that runs through a patch as one straight line makes two halves of it, each with a
 place and an answer of its own; more lines make smaller patches of it.
@@ -12,7 +14,6 @@ place and an answer of its own; more lines make smaller patches of it.
 from __future__ import annotations
 
 import math
-import threading
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,36 +36,65 @@ _STEP = 1e-3
 #: Normals are rounded to multiples of 1 / this: faces of one plane share theirs.
 _FINE = float(1 << 20)
 
+#: Odd numbers for ``hash_of``, one for each part: multiples of 2^64 / the golden ratio.
+_ODD = tuple(np.uint64(0x9E3779B97F4A7C15 * k % 2**64) for k in range(1, 15, 2))
+
 #: What ``cut`` tells of a patch: shared as it is, in halves, or not at all.
 WHOLE, HALVES, APART = 0, 1, 2
-#: ``key``: hash of place and map; ``whole`` and ``inner``: irradiance [W/m^2] by the disc and
-#: by half its area, both divided by what of it lies on surfaces. If in halves, ``whole`` is the
-#: normal of the line between them, which is ``inner[0]`` [m] away from the middle along that.
+#: ``seal``: hash of the place and of what follows it. ``whole`` and ``inner``: irradiance
+#: [W/m^2] by the disc and by half its area, both divided by what of it lies on surfaces. If in
+#: halves, ``whole`` is the normal of the line between them, and ``inner[0]`` its distance from
+#: the middle along that [m].
 PATCH = np.dtype(
-    [("key", "u8"), ("cut", "i8"), ("whole", "f8", 3), ("inner", "f8", 3)], align=True
+    [("seal", "u8"), ("cut", "i8"), ("whole", "f8", 3), ("inner", "f8", 3)], align=True
 )
-#: Patches that a thread remembers (a power of two): 2.1 MB.
+#: Patches that a photon map remembers (a power of two): 2.1 MB.
 REMEMBERED = 1 << 15
+#: Rows that a patch may be in, the next ones by the lowest bits of its key.
+WAYS = 4
 
 
-class _Rooms(threading.local):
-    """A table of patches for each thread."""
-
-    def __init__(self) -> None:
-        self.table = np.zeros(REMEMBERED, PATCH)
+def no_patches() -> NDArray[np.void]:
+    """A table (REMEMBERED,) ``PATCH`` for a photon map of which none is known yet."""
+    return np.zeros(REMEMBERED, PATCH)
 
 
-_ROOMS = _Rooms()
+@kernel
+def _spread(x: np.uint64, factor: np.uint64) -> np.uint64:
+    return (x ^ (x >> np.uint64(32))) * factor
 
 
-def own_patches() -> NDArray[np.void]:
-    """This thread's table (REMEMBERED,) ``PATCH``; maps tell theirs by their salt."""
-    return _ROOMS.table
+@kernel
+def hash_of(cut: np.int64, whole: Vector, inner: Vector) -> np.uint64:
+    """Of all bits of an answer, so that no part of it goes with one of another."""
+    x = _spread(np.uint64(cut), _ODD[0])
+    x += _spread(whole[0].view(np.uint64), _ODD[1])
+    x += _spread(whole[1].view(np.uint64), _ODD[2])
+    x += _spread(whole[2].view(np.uint64), _ODD[3])
+    x += _spread(inner[0].view(np.uint64), _ODD[4])
+    x += _spread(inner[1].view(np.uint64), _ODD[5])
+    return x + _spread(inner[2].view(np.uint64), _ODD[6])
+
+
+@kernel
+def known(patch: Row) -> tuple[np.uint64, np.int64, Vector, Vector]:
+    """Key, cut and both vectors; the key is that of no place if another thread writes now."""
+    cut, whole, inner = patch.cut, vector(patch.whole), vector(patch.inner)
+    return patch.seal ^ hash_of(cut, whole, inner), cut, whole, inner
+
+
+@kernel
+def remember(patch: Row, key: np.uint64, cut: np.int64, whole: Vector, inner: Vector) -> None:
+    """What ``known`` then tells."""
+    patch.seal = key ^ hash_of(cut, whole, inner)
+    patch.cut = cut
+    store(patch.whole, whole)
+    store(patch.inner, inner)
 
 
 @kernel
 def place_of(
-    p: Vector, ng: Vector, radius: float, outside: bool, salt: int, edge: float
+    p: Vector, ng: Vector, radius: float, outside: bool, edge: float
 ) -> tuple[np.uint64, Vector, Vector]:
     """Key, middle and normal of the patch of ``edge`` [radii] that ``p`` lies in."""
     x = int(math.floor(ng[0] * _FINE + 0.5))
@@ -78,7 +108,7 @@ def place_of(
     a = int(math.floor(dot(p, t) / edge))
     b = int(math.floor(dot(p, s) / edge))
     c = int(math.floor(dot(p, n) / step + 0.5))
-    key = np.uint64(4 * salt + (2 if small else 0) + (1 if outside else 0))
+    key = np.uint64((2 if small else 0) + (1 if outside else 0))
     for low, high in ((x, y), (z, c), (a, b)):
         key = mix(key ^ np.uint64(low) ^ (np.uint64(high) << np.uint64(32)))
     middle = add(
@@ -88,36 +118,34 @@ def place_of(
 
 
 @kernel
-def fill(
-    patch: Row,
-    key: np.uint64,
-    p: Vector,
-    ng: Vector,
-    outside: bool,
-    photon_map: Row,
-    borders: Row,
-    radius: float,
-    sight: Table,
-    edge: float,
-) -> None:
-    """Work out what is known of a patch about its middle ``p``.
+def row_of(patches: Table, place: np.uint64) -> np.int64:
+    """The row that tells of ``place``, or where to ``remember`` it.
+
+    Places share ``WAYS`` rows. With one each, those that meet in it would forget each other.
+    """
+    last = np.uint64(len(patches) - 1)
+    for k in range(WAYS):
+        row = np.int64((place ^ np.uint64(k)) & last)
+        if patches[row].seal == 0 or known(patches[row])[0] == place:
+            return row
+    return np.int64((place ^ (place >> np.uint64(62))) & last)
+
+
+@kernel
+def lines_through(
+    p: Vector, ng: Vector, outside: bool, borders: Row, radius: float, edge: float
+) -> tuple[np.int64, Vector, Vector]:
+    """How borders cut the patch with the middle ``p``: what there is to ``remember``.
 
     A border between ``p`` and a place of the patch comes as near as half the diagonal.
     """
     lines, normal, away = line_near(borders, p, outside, radius, edge * math.sqrt(0.5), ng)
-    if lines == 0:
-        answer(patch, key, p, ng, outside, photon_map, borders, radius, sight)
-        return
-    patch.key = key
-    patch.cut = HALVES if lines == 1 else APART
-    store(patch.whole, normal)
-    patch.inner[0] = away * radius
+    cut = WHOLE if lines == 0 else HALVES if lines == 1 else APART
+    return np.int64(cut), normal, (away * radius, 0.0, 0.0)
 
 
 @kernel
 def answer(
-    patch: Row,
-    key: np.uint64,
     p: Vector,
     ng: Vector,
     outside: bool,
@@ -125,14 +153,11 @@ def answer(
     borders: Row,
     radius: float,
     sight: Table,
-) -> None:
-    """Let ``patch`` be the irradiance at ``p``."""
+) -> tuple[Vector, Vector]:
+    """The irradiance at ``p``, by the disc and by half its area [W/m^2]."""
     _, share, half = look_around(borders, p, ng, outside, radius, sight)
     whole, inner, _ = gather_irradiance(photon_map, p, ng, radius, sight)
-    patch.key = key
-    patch.cut = WHOLE
-    store(patch.whole, scale(whole, 1.0 / share))
-    store(patch.inner, scale(inner, 1.0 / half))
+    return scale(whole, 1.0 / share), scale(inner, 1.0 / half)
 
 
 @kernel
@@ -141,13 +166,16 @@ def middle_of_half(
 ) -> tuple[bool, Vector]:
     """Where the half of a patch that lies ``beyond`` a line, or the other, has its answer.
 
-    That is on the line's ``normal`` through the ``middle``. A corner that is cut off has none
-    (False): what stood for it would lie beside the patch. ``edge``, ``away`` [m].
+    That is on the line's ``normal`` through the ``middle``, and the middle itself where just
+    a corner is cut off. The corner has none (False): what stood for it would lie beside the
+    patch. ``edge``, ``away`` [m].
     """
     t, s = basis(n)
     out = 0.5 * edge / max(abs(dot(normal, t)), abs(dot(normal, s)))
+    if abs(away) >= out:
+        return beyond != (away > 0.0), middle
     at = 0.5 * (away + (out if beyond else -out))
-    return abs(away) < out, add(middle, scale(normal, at))
+    return True, add(middle, scale(normal, at))
 
 
 @kernel
@@ -160,31 +188,35 @@ def patch_at(
     radius: float,
     sight: Table,
     patches: Table,
-    salt: int,
     edge: float,
-) -> tuple[int, np.int64]:
-    """``WHOLE`` and the row of ``patches`` with the answer for ``p``, or why there is none.
+) -> tuple[np.int64, Vector, Vector]:
+    """``WHOLE`` and the ``answer`` for ``p``, or why it has none.
 
     ``HALVES``: ``p`` is very near to the line between two, or in a corner that it cuts off.
     """
-    key, middle, n = place_of(p, ng, radius, outside, salt, edge)
-    last = np.uint64(len(patches) - 1)
-    row = np.int64(key & last)
-    patch = patches[row]
-    if patch.key != key:
-        fill(patch, key, middle, n, outside, photon_map, borders, radius, sight, edge)
-    if patch.cut != HALVES:
-        return patch.cut, row
-    normal, away = vector(patch.whole), patch.inner[0]
-    beyond = dot(subtract(p, middle), normal) - away
-    there, q = middle_of_half(middle, n, normal, away, beyond > 0.0, edge * radius)
-    if not there or abs(beyond) < 2.0 * ONE_LINE * radius:
-        return HALVES, row
-    key = mix(key ^ np.uint64(1 if beyond > 0.0 else 2))
-    row = np.int64(key & last)
-    if patches[row].key != key:
-        answer(patches[row], key, q, n, outside, photon_map, borders, radius, sight)
-    return WHOLE, row
+    place, q, n = place_of(p, ng, radius, outside, edge)
+    row = row_of(patches, place)
+    key, cut, whole, inner = known(patches[row])
+    if key != place:
+        cut, whole, inner = lines_through(q, n, outside, borders, radius, edge)
+        if cut != WHOLE:
+            remember(patches[row], place, cut, whole, inner)
+    if cut == APART:
+        return cut, whole, inner
+    if cut == HALVES:
+        away = inner[0]
+        beyond = dot(subtract(p, q), whole) - away
+        there, q = middle_of_half(q, n, whole, away, beyond > 0.0, edge * radius)
+        if not there or abs(beyond) < 2.0 * ONE_LINE * radius:
+            return cut, whole, inner
+        place = mix(place ^ np.uint64(1 if beyond > 0.0 else 2))
+        row = row_of(patches, place)
+        key, cut, whole, inner = known(patches[row])
+    if key != place:
+        cut = np.int64(WHOLE)
+        whole, inner = answer(q, n, outside, photon_map, borders, radius, sight)
+        remember(patches[row], place, cut, whole, inner)
+    return cut, whole, inner
 
 
 @kernel
@@ -198,7 +230,6 @@ def add_shared(
     radius: float,
     sight: Table,
     patches: Table,
-    salt: int,
 ) -> None:
     """As ``add_estimate``, by the patch that ``vertex`` lies in where it has one.
 
@@ -208,17 +239,14 @@ def add_shared(
     if is_lambertian(vertex, lobes):
         p, ng = vector(vertex.p), vector(vertex.ng)
         outside = vertex.entering != 0
-        cut, row = patch_at(
-            p, ng, outside, photon_map, borders, radius, sight, patches, salt, EDGE
-        )
-        if cut == APART:
-            cut, row = patch_at(
-                p, ng, outside, photon_map, borders, radius, sight, patches, salt, SMALL_EDGE
+        for edge in (EDGE, SMALL_EDGE):
+            cut, whole, inner = patch_at(
+                p, ng, outside, photon_map, borders, radius, sight, patches, edge
             )
+            if cut != APART:
+                break
         if cut == WHOLE:
-            patch = patches[row]
             a = scale(albedo_nonspecular(vertex, lobes), INV_PI)
-            whole, inner = vector(patch.whole), vector(patch.inner)
             add_light(layer, vertex.beta, times(a, whole), 1.0)
             add_light(sample.shrink, vertex.beta, times(a, subtract(whole, inner)), 1.0)
             return

@@ -169,6 +169,20 @@ def on_disc(
 
 
 @kernel
+def near_on_disc(
+    grid: Row, k: int, key: int, p: Vector, n: Vector, radius: float, reach: float
+) -> tuple[bool, tuple[float, float], tuple[float, float]]:
+    """Whether a piece lies by ``p`` and as near as ``reach``, and its ends [radii].
+
+    ``n``: normal by winding. The ends are ``on_disc`` in the plane of its ``basis``.
+    """
+    if lies_by(grid, k, key, p, n, radius) == 0.0:
+        return False, (0.0, 0.0), (0.0, 0.0)
+    a, b = on_disc(grid, grid.piece[k], p, basis(n), 1.0 / radius)
+    return _nearest(a[0], a[1], b[0], b[1]) < reach * reach, a, b
+
+
+@kernel
 def line_near(
     grid: Row,
     p: Vector,
@@ -188,15 +202,12 @@ def line_near(
     if first == last:
         return 0, none, 0.0
     by_winding = n if outside else scale(n, -1.0)
-    frame = basis(n)
     longest = 0.0
     x = y = distance = 0.0
     found = 0
     for k in range(first, last):
-        if lies_by(grid, k, key, p, by_winding, radius) == 0.0:
-            continue
-        a, b = on_disc(grid, grid.piece[k], p, frame, 1.0 / radius)
-        if _nearest(a[0], a[1], b[0], b[1]) >= reach * reach:
+        near, a, b = near_on_disc(grid, k, key, p, by_winding, radius, reach)
+        if not near:
             continue
         found += 1
         dx = b[0] - a[0]
@@ -212,15 +223,13 @@ def line_near(
     if longest == 0.0:
         return 2, none, 0.0
     for k in range(first, last):
-        if lies_by(grid, k, key, p, by_winding, radius) == 0.0:
-            continue
-        a, b = on_disc(grid, grid.piece[k], p, frame, 1.0 / radius)
-        if _nearest(a[0], a[1], b[0], b[1]) >= reach * reach:
+        near, a, b = near_on_disc(grid, k, key, p, by_winding, radius, reach)
+        if not near:
             continue
         for end in (a, b):
             if abs(x * end[0] + y * end[1] - distance) > ONE_LINE:
                 return 2, none, 0.0
-    t, s = frame
+    t, s = basis(by_winding)
     return 1, add(scale(t, x), scale(s, y)), distance
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -12,8 +14,13 @@ from photon_map.core.camera_pass.patches import (
     HALVES,
     PATCH,
     SMALL_EDGE,
+    WAYS,
     WHOLE,
+    known,
+    middle_of_half,
     place_of,
+    remember,
+    row_of,
 )
 from photon_map.core.camera_pass.records import VERTEX
 from photon_map.core.film.film import SAMPLE
@@ -65,7 +72,7 @@ def ends(rng, count, x):
     return vertices
 
 
-def light(photon_map, grid, vertices, salt=1, patches=None, order=None, lobe=None):
+def light(photon_map, grid, vertices, patches=None, order=None, lobe=None):
     """The indirect layer (N,) of ``vertices`` with an albedo of 1: the irradiance."""
     b = SceneBuilder("ends")
     b.add_material("tested", [lobe or diffuse(1.0)])
@@ -74,7 +81,7 @@ def light(photon_map, grid, vertices, salt=1, patches=None, order=None, lobe=Non
     samples = np.zeros(len(vertices), SAMPLE)
     gather_indirect(
         b.build().lobes, photon_map, grid, RADIUS, vertices, order, samples, np.zeros(SIGHT),
-        patches, salt,
+        patches,
     )  # fmt: skip
     return samples["indirect"][:, 0]
 
@@ -105,18 +112,64 @@ def test_who_asks_first_changes_no_bit(rng, floor):
     first = light(lit, floor, vertices)
     tiny = np.zeros(1, PATCH)  # forgets every patch at once
     for order, room in ((np.arange(3000)[::-1].copy(), None), (rng.permutation(3000), tiny)):
-        np.testing.assert_array_equal(light(lit, floor, vertices, 1, room, order), first)
+        np.testing.assert_array_equal(light(lit, floor, vertices, room, order), first)
 
 
-def test_a_map_never_sees_the_patches_of_another(rng, floor):
-    vertices = ends(rng, 500, 0.0)
-    patches = np.zeros(1 << 12, PATCH)
-    bright = photons(rng, 20000, -1, 1)
-    dark = photons(rng, 20000, 5, 7)
-    assert light(bright, floor, vertices, 7, patches).min() > 0.5
-    # What would happen without a number of its own ...
-    assert light(dark, floor, vertices, 7, patches).min() > 0.5
-    assert light(dark, floor, vertices, 8, patches).max() == 0.0
+def test_threads_share_a_table_without_a_changed_bit(rng, floor):
+    """In 8 rows the threads overwrite each other all the time."""
+    vertices = ends(rng, 20000, rng.uniform(-1, 1, 20000))
+    lit = photons(rng, 20000, -1, 1)
+    alone = light(lit, floor, vertices)
+    patches = np.zeros(8, PATCH)
+    orders = [rng.permutation(20000) for _ in range(12)]
+    with ThreadPoolExecutor(6) as pool:
+        for found in pool.map(lambda o: light(lit, floor, vertices, patches, o), orders):
+            np.testing.assert_array_equal(found, alone)
+
+
+def test_places_that_meet_in_a_row_are_all_remembered():
+    """As many as there are ways; one more puts one of them out."""
+    patches = np.zeros(64, PATCH)
+    places = [np.uint64((k << 58) + 9) for k in range(WAYS + 1)]
+    for place in places[:WAYS]:
+        remember(patches[row_of(patches, place)], place, WHOLE, UP, UP)
+    assert [known(patches[row_of(patches, p)])[0] for p in places[:WAYS]] == places[:WAYS]
+    row = row_of(patches, places[WAYS])
+    assert known(patches[row])[0] in places[:WAYS]
+
+
+@pytest.mark.parametrize("turn", [0.1, 0.6, 1.2, 2.5, 4.0])
+def test_the_middle_of_a_part_lies_in_it(turn):
+    """A line moves through a patch: until the corner where it leaves, both parts have one."""
+    normal = (np.cos(turn), np.sin(turn), 0.0)
+    corner = 0.5 * (abs(normal[0]) + abs(normal[1]))
+    had = set()
+    for away in np.linspace(-0.999, 0.999, 101) * corner:
+        for beyond in (False, True):
+            there, q = middle_of_half((0.0, 0.0, 0.0), UP, normal, away, beyond, 1.0)
+            small = (away > 0.0) == beyond
+            had.add((there, small))
+            if there:
+                assert max(abs(np.array(q))) <= 0.5
+                assert (np.dot(q, normal) > away) == beyond
+    assert had == {(True, False), (True, True), (False, True)}
+
+
+def test_parts_of_two_answers_fit_neither_key(rng):
+    """What a thread may read while another writes: each of the eight words old or new."""
+    rows = np.zeros(2, PATCH)
+    whole = (0.5, 0.5, 0.0)
+    remember(rows[0], np.uint64(7), WHOLE, whole, whole)
+    remember(rows[1], np.uint64(8), HALVES, (0.25, 0.25, 0.0), (0.25, 0.0, 0.0))
+    for row, key, cut in ((rows[0], 7, WHOLE), (rows[1], 8, HALVES)):
+        assert known(row)[:2] == (key, cut)
+    words = rows.view(np.uint64).reshape(2, 8)
+    torn = np.zeros(1, PATCH)
+    for k in range(2**8):
+        torn.view(np.uint64)[:] = np.where(k >> np.arange(8) & 1, words[1], words[0])
+        key, *found = known(torn[0])
+        for row, of in ((rows[0], 7), (rows[1], 8)):
+            assert key != of or found == list(known(row)[1:])
 
 
 @pytest.mark.parametrize("apart", ["crossing", "beside"])
@@ -131,7 +184,7 @@ def test_no_patch_reaches_through_a_wall(rng, apart):
         grid = borders(left, right, wall)
     lit = photons(rng, 40000, 0.003, 1)
     dark = ends(rng, 2000, rng.uniform(-0.05, 0.0029, 2000))
-    middles = np.array([place_of(p, UP, RADIUS, True, 1, EDGE)[1] for p in dark["p"]])
+    middles = np.array([place_of(p, UP, RADIUS, True, EDGE)[1] for p in dark["p"]])
     assert (middles[:, 0] > 0.003).any(), "the test would see nothing"
     assert light(lit, grid, dark).max() == 0.0
     bright = ends(rng, 2000, rng.uniform(0.0031, 0.05, 2000))
@@ -145,8 +198,8 @@ def test_both_sides_of_a_sheet_have_patches_of_their_own(rng, floor):
     below["entering"] = 0
     patches = np.zeros(1 << 12, PATCH)
     lit = photons(rng, 20000, -1, 1)
-    assert light(lit, floor, vertices, 1, patches).min() > 0.5
-    assert light(lit, floor, below, 1, patches).max() == 0.0
+    assert light(lit, floor, vertices, patches).min() > 0.5
+    assert light(lit, floor, below, patches).max() == 0.0
 
 
 def test_glossy_places_are_estimated_one_by_one(rng, floor):
@@ -160,7 +213,7 @@ def test_glossy_places_are_estimated_one_by_one(rng, floor):
 def kept_by(grid, vertices, lit):
     """Light of ``vertices``, and which sorts of patches were made for them."""
     patches = np.zeros(1 << 14, PATCH)
-    return light(lit, grid, vertices, 1, patches), patches["cut"][patches["key"] != 0]
+    return light(lit, grid, vertices, patches), patches["cut"][patches["seal"] != 0]
 
 
 def test_a_border_makes_two_halves_that_are_shared(rng):
@@ -206,7 +259,7 @@ def test_where_lines_cross_patches_are_smaller(rng):
 def test_patches_of_both_sizes_have_keys_of_their_own():
     places = np.random.default_rng(2).uniform(-1, 1, (200, 3)) * [1, 1, 0]
     keys = [
-        {place_of(tuple(p), UP, RADIUS, True, 1, edge)[0] for p in places}
+        {place_of(tuple(p), UP, RADIUS, True, edge)[0] for p in places}
         for edge in (EDGE, SMALL_EDGE)
     ]
     assert not keys[0] & keys[1]
