@@ -1,10 +1,10 @@
-"""The first render of all: camera kernels are compiled while photons wait for theirs."""
+"""Kernels of a camera pass, compiled or loaded while the pilot traces its first photons."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .camera_pass.chunk import trace_chunk
+from .camera_pass.chunk import PhotonMaps, trace_chunk
 from .camera_pass.pixels import Pixels, Region
 from .jit import has_compiled
 from .photon_pass import Batch, photon_maps
@@ -14,19 +14,31 @@ from .pilot import no_radii
 from .plan import Plan
 from .prepared import Prepared
 from .settings import Settings
+from .warm_up import few_pixels
 
 #: Pixels, at most.
 _PIXELS = 64
 
 
-def compile_ahead(prepared: Prepared, settings: Settings, plan: Plan, region: Region) -> None:
-    """Compile what a camera pass of ``plan`` calls, by a few pixels and maps of no photons.
+def get_ready(prepared: Prepared, settings: Settings, plan: Plan, region: Region) -> bool:
+    """Compile what a camera pass of ``plan`` calls, or load it once there are kernels.
 
-    For a thread that has nothing else to do yet: kernels become machine code side by side.
-    Does nothing once there are kernels.
+    By a few pixels and maps of no photons, for a thread that has nothing else to do yet.
+    Returns whether that is all: what was compiled leaves something for ``warm_up``.
     """
-    if has_compiled() or settings.shadow_photons:
-        return
+    if settings.shadow_photons:  # the maps are others then
+        return False
+    maps = _maps_of_none(settings, plan)
+    if has_compiled():
+        few_pixels(prepared, settings, plan, region, maps)
+        return True
+    stride = max(1, region.width * region.height // _PIXELS)
+    pixels = Pixels.spread(0, region.width * region.height // stride, stride=stride)
+    trace_chunk(prepared, settings, region, pixels, maps)
+    return False
+
+
+def _maps_of_none(settings: Settings, plan: Plan) -> PhotonMaps:
     walk = Walk(np.zeros(0, PHOTON), np.zeros(0, np.int64), 0)
     crowd = build_photon_map([walk], 1.0) if plan.is_on("caustics") else None
     radii = no_radii()._replace(caustic=(1.0, 1.0, 1.0, 1.0), global_=1.0, crowd=crowd)
@@ -35,7 +47,4 @@ def compile_ahead(prepared: Prepared, settings: Settings, plan: Plan, region: Re
         for caustic, stage in ((True, "caustics"), (False, "indirect"))
         if plan.is_on(stage)
     ]
-    maps = photon_maps(settings, radii, 0, batches, [walk] * len(batches))
-    stride = max(1, region.width * region.height // _PIXELS)
-    pixels = Pixels.spread(0, region.width * region.height // stride, stride=stride)
-    trace_chunk(prepared, settings, region, pixels, maps)
+    return photon_maps(settings, radii, 0, batches, [walk] * len(batches))

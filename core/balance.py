@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import gcd
 from typing import Any, NamedTuple
 
@@ -109,7 +110,8 @@ class DirectLook(NamedTuple):
     samples: int
 
 
-class Look(NamedTuple):
+@dataclass(frozen=True)
+class Look:
     """What a few pixels show, three times.
 
     ``second`` has other camera paths and other photons than ``first``, ``third`` the paths of
@@ -123,6 +125,11 @@ class Look(NamedTuple):
     direct: DirectLook
     batches: list[Batch]
     walks: list[Walk]
+
+    @cached_property
+    def noise(self) -> Noise:
+        """See ``noise_of``."""
+        return noise_of(self)
 
 
 def is_free(settings: Settings) -> bool:
@@ -307,7 +314,7 @@ def balanced(
     samples: Sequence[int] = LIGHT_SAMPLES
     if settings.light_samples != AUTOMATIC:
         samples = (settings.light_samples,)
-    found = least_error(noise_of(seen), cost_of(seen, region), factors, samples)
+    found = least_error(seen.noise, cost_of(seen, region), factors, samples)
     settings = replace(
         settings, gather_rays=found.gather_rays, light_samples=found.light_samples
     )
@@ -323,7 +330,7 @@ def balanced(
 
 def gather_share(seen: Look, settings: Settings) -> float:
     """The part of a pass's noise, 0 to 1, that gather rays bring by ``balanced`` settings."""
-    noise = noise_of(seen)
+    noise = seen.noise
     usual = sum(batch.count for batch in seen.batches if batch.caustic)
     factor = settings.photons_caustic / usual if usual and settings.photons_caustic > 0 else 1.0
     gather = noise.gather / settings.gather_rays

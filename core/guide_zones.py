@@ -26,6 +26,15 @@ class Zones(NamedTuple):
     guide: Guide
     parent: NDArray[np.int32]
 
+    def levels(self) -> list[slice]:
+        """Which nodes are equally deep, from the roots on."""
+        found = [slice(0, SIDES)]
+        while found[-1].stop < len(self.parent):
+            # Nodes are in the order of their parents.
+            end = found[-1].stop
+            found.append(slice(end, end + int(np.searchsorted(self.parent[end:], end))))
+        return found
+
 
 def find_zones(places: NDArray[np.float64], side: NDArray[np.int32]) -> Zones:
     """Halve ``places`` (P, 3) of each ``side`` (P,) until few are left; -1 is left out."""
@@ -110,15 +119,20 @@ class Learnt:
         leaves = np.flatnonzero((guide.axis < 0) & (guide.child >= 0))
         squares[leaves] = self.squares.reshape(-1, BINS * BINS)[guide.child[leaves]]
         counts[leaves] = self.counts.reshape(-1, BINS * BINS)[guide.child[leaves]]
-        for k in range(nodes - 1, SIDES - 1, -1):
-            squares[parent[k]] += squares[k]
-            counts[parent[k]] += counts[k]
-        means = np.zeros_like(squares)
-        for k in range(nodes):
-            around = means[parent[k]] if parent[k] >= 0 else np.ones(BINS * BINS)
-            expected = (counts[k] * around).sum()
-            level = squares[k].sum() / expected if expected > 0.0 else 0.0
-            means[k] = (squares[k] + BELIEF * level * around) / (counts[k] + BELIEF)
+        levels = self.zones.levels()
+        for level in reversed(levels[1:]):
+            # Halves of a zone follow each other.
+            above = parent[level][::2]
+            squares[above] = squares[level][::2] + squares[level][1::2]
+            counts[above] = counts[level][::2] + counts[level][1::2]
+        means = np.ones_like(squares)
+        for level in levels:
+            roots = parent[level] < 0
+            around = np.where(roots[:, None], 1.0, means[parent[level]])
+            expected = (counts[level] * around).sum(axis=1)
+            scale = squares[level].sum(axis=1) / np.where(expected > 0.0, expected, np.inf)
+            leant = squares[level] + BELIEF * scale[:, None] * around
+            means[level] = leant / (counts[level] + BELIEF)
         density = np.sqrt(means[leaves])
         sums = density.mean(axis=1, keepdims=True)
         density = np.where(sums > 0.0, density / np.where(sums > 0.0, sums, 1.0), 1.0)

@@ -11,7 +11,7 @@ from functools import partial
 from itertools import chain
 from typing import NamedTuple
 
-from .ahead import compile_ahead
+from .ahead import get_ready
 from .aim_pass import aimed, wants_aim
 from .baking.bake import photon_source
 from .balance import (
@@ -28,7 +28,7 @@ from .guide_pass import SHARE, unguided
 from .photon_memory import Afforded, Stored, affordable, emitted, stored_in
 from .photon_pass import Batch, PhotonSource, TracedPhotons, photon_batches, photon_maps
 from .photons.trace import Walk
-from .pilot import Radii
+from .pilot import NOTHING, Radii, look_for_radii
 from .pilot_pass import parts_of_pilot, pilot_of
 from .prepared import Prepared
 from .render_state import RenderState
@@ -39,7 +39,7 @@ class Piloted(NamedTuple):
     """What is known before the first pass.
 
     ``walks``: photons of whole passes under way for the balance, by pass and batch; none where
-    there is nothing to decide.
+    there is nothing to decide. ``ready``: whether all kernels are loaded.
     """
 
     prepared: Prepared
@@ -47,6 +47,7 @@ class Piloted(NamedTuple):
     afforded: Afforded
     radii: Radii
     walks: list[list[Future[Walk]]]
+    ready: bool
 
 
 def pilot(
@@ -54,9 +55,12 @@ def pilot(
 ) -> Generator[Update, None, Piloted]:
     """Where photons come from, and what the pilot tells."""
     submit, settings, region = render.queue.submit, render.settings, render.region
-    submit(compile_ahead, prepared, settings, render.plan, region)
+    getting_ready = submit(get_ready, prepared, settings, render.plan, region)
+    photons = render.plan.is_on("caustics") or render.plan.is_on("indirect")
+    looking = submit(look_for_radii, prepared, settings, region) if photons else None
     focused = render.kept.focused(prepared, settings, render.plan)
     prepared, render.plan = yield from render.run(focused, message)
+    look = (yield from render.watch(looking, message)) if looking else NOTHING
     learns = wants_aim(settings, render.plan, region)
     while True:
         source, afforded = yield from render.watch(
@@ -64,19 +68,22 @@ def pilot(
             "photon maps" if settings.photon_maps else message,
         )
         kept = render.kept.photons(source, settings)
-        parts = [submit(*part) for part in parts_of_pilot(prepared, settings, region, kept)]
+        asked = (prepared, settings, region, kept, look)
+        parts = [submit(*part) for part in parts_of_pilot(*asked)]
         walks = _look_for_balance(render, source)
         sizes, crowd, shadows = yield from render.watch_all(parts, message)
         if learns and crowd is not None:
-            asked = (prepared, settings, render.plan, sizes.views, crowd)
             before, learns = prepared, False
-            prepared, render.plan = yield from render.watch(submit(aimed, *asked), message)
+            aiming = submit(aimed, prepared, settings, render.plan, look.views, crowd)
+            prepared, render.plan = yield from render.watch(aiming, message)
             if prepared is not before:
                 # Photons for one view serve no other, and those so far were not these.
                 yield from render.watch_all(chain.from_iterable(walks), message)
                 render.kept.leave(0)
                 continue
-        return Piloted(prepared, source, afforded, pilot_of(sizes, crowd, shadows), walks)
+        ready = yield from render.watch(getting_ready, message)
+        radii = pilot_of(sizes, crowd, shadows)
+        return Piloted(prepared, source, afforded, radii, walks, ready)
 
 
 def _photons(render: RenderState, prepared: Prepared) -> tuple[PhotonSource, Afforded]:

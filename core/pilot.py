@@ -49,8 +49,7 @@ class Radii(NamedTuple):
 
     The borders are in grids for discs of up to those radii. ``shadows``: the shadow photons,
     None without; ``crowd``: the map of ``crowd_photons`` caustic photons, None without, and
-    ``expected``: what the camera sees of these at once. ``views`` (P, 3): where the pilot's
-    camera paths have ended, centred.
+    ``expected``: what the camera sees of these at once.
     """
 
     caustic: tuple[float, float, float, float]
@@ -61,7 +60,6 @@ class Radii(NamedTuple):
     crowd: PhotonMap | None = None
     crowd_photons: int = CROWD
     expected: Expected | None = None
-    views: NDArray[np.float64] = np.zeros((0, 3))
 
     def with_caustics(self, factor: float) -> Radii:
         """Discs of caustics ``factor`` (1 at most) times as wide."""
@@ -81,18 +79,25 @@ def no_radii() -> Radii:
     return Radii((0.0, 0.0, 0.0, 0.0), 0.0, none, none)
 
 
-def first_radii(
-    prepared: Prepared,
-    settings: Settings,
-    region: Region,
-    photons: NDArray[np.float64],
-    caustics: bool,
-) -> Radii:
-    """Radii from what the camera sees and how dense the pilot's global ``photons`` lie.
+class Look(NamedTuple):
+    """What the camera sees.
 
-    ``photons`` (P, 3): positions of one pass's global photons, centred; ``caustics``:
-    whether there are discs for them at all.
+    ``views`` (P, 3): where the pilot's camera paths have ended, ``ends`` (Q, 3): where gather
+    rays from there have, both centred; ``footprint``: of a typical pixel [m], 0 where none
+    sees anything.
     """
+
+    views: NDArray[np.float64]
+    ends: NDArray[np.float64]
+    footprint: float
+
+
+#: Of a render that has no photons to look for.
+NOTHING = Look(np.zeros((0, 3)), np.zeros((0, 3)), 0.0)
+
+
+def look_for_radii(prepared: Prepared, settings: Settings, region: Region) -> Look:
+    """A few of the pixels of ``region``; photons play no part."""
     total = region.width * region.height
     stride = max(1, total // (DRAFT_PIXELS if settings.draft else PIXELS))
     pixels = Pixels.spread(PILOT_PASS, total // stride, stride=stride)
@@ -103,16 +108,32 @@ def first_radii(
     # One ray each: the radius shall not hang on how many there will be.
     one = replace(settings, gather_rays=1)
     far, _ = trace_gather(prepared, one, ends, samples)
-    size = prepared.centre.radius
     seen = footprints(prepared.camera, np.ascontiguousarray(ends.vertices["length"]))
-    typical = float(np.median(seen)) if len(seen) else 1e-3 * size
+    typical = float(np.median(seen)) if len(seen) else 0.0
+    return Look(ends.vertices["p"].copy(), far.vertices["p"].copy(), typical)
+
+
+def first_radii(
+    prepared: Prepared,
+    settings: Settings,
+    look: Look,
+    photons: NDArray[np.float64],
+    caustics: bool,
+) -> Radii:
+    """Radii from what the camera sees and how dense the pilot's global ``photons`` lie.
+
+    ``photons`` (P, 3): positions of one pass's global photons, centred; ``caustics``:
+    whether there are discs for them at all.
+    """
+    size = prepared.centre.radius
+    typical = look.footprint if len(look.views) else 1e-3 * size
     typical = max(typical * settings.caustic_radius, 1e-7 * size)
     caustic = (settings.caustic_radius, typical / SPREAD, typical * SPREAD, CELL * typical)
-    radius = _global_radius(prepared, photons, far.vertices["p"])
+    radius = _global_radius(prepared, photons, look.ends)
     grids = _borders(
         prepared, [caustic[2], radius] if caustics else [radius], not settings.draft
     )
-    return Radii(caustic, radius, grids[0], grids[-1], views=ends.vertices["p"].copy())
+    return Radii(caustic, radius, grids[0], grids[-1])
 
 
 def _borders(prepared: Prepared, radii: list[float], crossed: bool) -> list[BorderGrid]:

@@ -18,7 +18,17 @@ from .photon_pass import Batch, PhotonSource, trace_batch
 from .photons.photon_map import build_photon_map
 from .photons.shadow import ShadowMap, shadow_map
 from .photons.trace import Walk
-from .pilot import CROWD, DRAFT_CROWD, PILOT_PASS, Radii, first_radii, no_radii
+from .pilot import (
+    CROWD,
+    DRAFT_CROWD,
+    NOTHING,
+    PILOT_PASS,
+    Look,
+    Radii,
+    first_radii,
+    look_for_radii,
+    no_radii,
+)
 from .prepared import Prepared
 from .settings import Settings
 
@@ -32,14 +42,17 @@ class CrowdLook(NamedTuple):
 
 
 def parts_of_pilot(
-    prepared: Prepared, settings: Settings, region: Region, source: PhotonSource
+    prepared: Prepared, settings: Settings, region: Region, source: PhotonSource, look: Look
 ) -> list[tuple[Any, ...]]:
     """Functions and their arguments; ``pilot_of`` takes what they return.
 
     Without photons nothing is asked for radii, and nothing is traced.
     """
-    asked = (prepared, settings, region, source)
-    return [(_sizes, *asked), (_crowd, *asked), (_shadows, prepared, settings)]
+    return [
+        (_sizes, prepared, settings, source, look),
+        (_crowd, prepared, settings, region, source),
+        (_shadows, prepared, settings),
+    ]
 
 
 def pilot_of(sizes: Radii, crowd: CrowdLook | None, shadows: ShadowMap | None) -> Radii:
@@ -57,17 +70,16 @@ def pilot_radii(
     prepared: Prepared, settings: Settings, region: Region, source: PhotonSource
 ) -> Radii:
     """Radii of pass 0, and shadow photons when there shall be some: one part after another."""
-    parts = parts_of_pilot(prepared, settings, region, source)
+    look = look_for_radii(prepared, settings, region) if source.batches else NOTHING
+    parts = parts_of_pilot(prepared, settings, region, source, look)
     return pilot_of(*(work(*arguments) for work, *arguments in parts))
 
 
-def _sizes(
-    prepared: Prepared, settings: Settings, region: Region, source: PhotonSource
-) -> Radii:
+def _sizes(prepared: Prepared, settings: Settings, source: PhotonSource, look: Look) -> Radii:
     if not source.batches:
         return no_radii()
     caustics = any(batch.caustic for batch in source.batches)
-    return first_radii(prepared, settings, region, source.pilot(), caustics)
+    return first_radii(prepared, settings, look, source.pilot(), caustics)
 
 
 def _crowd(

@@ -69,17 +69,19 @@ class _Render(RenderState):
                 self.queue.submit(self.kept.prepare, self.scene, self.settings, self.stop),
                 "building the scene",
             )
-            prepared, source, afforded, radii, walks = yield from pilot(self, prepared, message)
+            piloted = yield from pilot(self, prepared, message)
+            prepared, source, afforded, radii, walks, ready = piloted
             traced = isinstance(source, TracedPhotons)
             discs = DiscSize(traced and sizes_discs(self.settings))
             self._afford(afforded, traced)
             source = self.kept.photons(source, self.settings)
             self.kept.leave(self.memory.expect(afforded.stored, radii))
             self.plan = radii.expected.with_stage(self.plan) if radii.expected else self.plan
-            known = (self.settings, self.plan, self.region, radii, source)
-            yield from self.watch(self.queue.submit(warm_up, prepared, *known), message)
+            if not ready:
+                known = (self.settings, self.plan, self.region, radii, source)
+                yield from self.watch(self.queue.submit(warm_up, prepared, *known), message)
+                set_compiled()
             self.compiling = False
-            set_compiled()
             self.render_begin = time.perf_counter()
             if wants_guide(self.settings, self.plan, self.region):
                 asked = (prepared, self.settings, self.region, radii, source)

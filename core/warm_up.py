@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .camera_pass.chunk import trace_chunk
+from .camera_pass.chunk import PhotonMaps, trace_chunk
 from .camera_pass.pixels import Pixels, Region
 from .film.film import Film
 from .guide_pass import learn_guide, wants_guide
@@ -41,13 +41,20 @@ def warm_up(
     radii: Radii,
     source: PhotonSource,
 ) -> None:
-    """Load or compile all that a pass of ``plan`` and its film call."""
+    """Compile all that a pass of ``plan`` and its film call."""
     few = [replace(batch, count=min(batch.count, _PHOTONS)) for batch in source.batches]
     asked = (prepared, source, settings, radii)
     walks = [walk_and_connect(*asked, 0, batch) for batch in few]
     maps = photon_maps(settings, radii, 0, few, walks)
     if prepared.focus.found and maps.focus is None:
         maps = maps._replace(focus=maps.global_)
+    few_pixels(prepared, settings, plan, region, maps)
+
+
+def few_pixels(
+    prepared: Prepared, settings: Settings, plan: Plan, region: Region, maps: PhotonMaps
+) -> None:
+    """All of a pass after the photons."""
     total = region.width * region.height
     stride = max(1, total // _PIXELS)
     pixels = Pixels.spread(0, total // stride, stride=stride)

@@ -14,6 +14,7 @@ place and an answer of its own; more lines make smaller patches of it.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,15 +66,21 @@ def _spread(x: np.uint64, factor: np.uint64) -> np.uint64:
 
 
 @kernel
+def _bits(x: Any) -> np.uint64:
+    bits: np.uint64 = x.view(np.uint64)
+    return bits
+
+
+@kernel
 def hash_of(cut: np.int64, whole: Vector, inner: Vector) -> np.uint64:
     """Of all bits of an answer, so that no part of it goes with one of another."""
     x = _spread(np.uint64(cut), _ODD[0])
-    x += _spread(whole[0].view(np.uint64), _ODD[1])
-    x += _spread(whole[1].view(np.uint64), _ODD[2])
-    x += _spread(whole[2].view(np.uint64), _ODD[3])
-    x += _spread(inner[0].view(np.uint64), _ODD[4])
-    x += _spread(inner[1].view(np.uint64), _ODD[5])
-    return x + _spread(inner[2].view(np.uint64), _ODD[6])
+    x += _spread(_bits(whole[0]), _ODD[1])
+    x += _spread(_bits(whole[1]), _ODD[2])
+    x += _spread(_bits(whole[2]), _ODD[3])
+    x += _spread(_bits(inner[0]), _ODD[4])
+    x += _spread(_bits(inner[1]), _ODD[5])
+    return x + _spread(_bits(inner[2]), _ODD[6])
 
 
 @kernel

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from numba.core import event
 
-from photon_map.core import Settings, ahead, render
+from photon_map.core import Settings, ahead, render, renderer
 from photon_map.core.camera_pass import chunk
 from photon_map.core.camera_pass.pixels import Region
 from photon_map.core.film.layers import KIND_COLORS
@@ -23,9 +23,13 @@ KERNELS = (
 )  # fmt: skip
 
 
-def compile_ahead(scene: Any, settings: Settings) -> None:
+def get_ready(scene: Any, settings: Settings) -> bool:
     region = Region.of(scene.camera, settings)
-    ahead.compile_ahead(prepare(scene, settings), settings, Plan.of(scene, settings), region)
+    return ahead.get_ready(prepare(scene, settings), settings, Plan.of(scene, settings), region)
+
+
+def loaded() -> dict[str, set[Any]]:
+    return {name: set(getattr(chunk, name)._wholes) for name in KERNELS}
 
 
 @pytest.mark.parametrize("settings", [FEW, KINDS], ids=["usual", "kinds"])
@@ -34,7 +38,7 @@ def test_a_render_needs_all_that_was_compiled_ahead(
 ) -> None:
     scene = scenes.cornell_glass(8)
     list(render(scene, settings))
-    known = {name: set(getattr(chunk, name)._wholes) for name in KERNELS}
+    known = loaded()
     trace, traced = ahead.trace_chunk, []
 
     def watched(*arguments: Any) -> Any:
@@ -44,21 +48,24 @@ def test_a_render_needs_all_that_was_compiled_ahead(
     monkeypatch.setattr(ahead, "trace_chunk", watched)
     monkeypatch.setattr(ahead, "has_compiled", lambda: False)
     with event.install_recorder("numba:compile") as recorder:
-        compile_ahead(scene, settings)
+        assert not get_ready(scene, settings)
     assert not recorder.buffer
-    assert known == {name: set(getattr(chunk, name)._wholes) for name in KERNELS}
+    assert known == loaded()
     # All of it was called: paths, and gather rays from where they end.
     assert traced[0].rays > traced[0].gathered > 0
 
 
-def test_nothing_is_done_ahead_once_there_are_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*_: object) -> None:
-        raise AssertionError("called")
-
-    monkeypatch.setattr(ahead, "trace_chunk", fail)
+def test_once_there_are_kernels_all_is_loaded_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No pixels go through the kernels a second time, with the photons of the pilot."""
     scene = scenes.cornell_glass(8)
+    list(render(scene, FEW))
+    before = loaded()
     monkeypatch.setattr(ahead, "has_compiled", lambda: True)
-    compile_ahead(scene, FEW)
-    monkeypatch.setattr(ahead, "has_compiled", lambda: False)
-    with pytest.raises(AssertionError, match="called"):
-        compile_ahead(scene, FEW)
+    assert get_ready(scene, FEW)
+    warmed: list[object] = []
+    monkeypatch.setattr(renderer, "warm_up", lambda *asked: warmed.append(asked))
+    list(render(scene, FEW))
+    assert not warmed and loaded() == before
+    # Shadow photons change what the kernels are called with.
+    list(render(scene, replace(FEW, shadow_photons=16)))
+    assert warmed

@@ -70,7 +70,7 @@ def test_rare_bright_emission_does_not_weigh_itself_down():
     seen = random_look(light=0.1, gather=0.1)
     emission = np.zeros((2, COUNT, 3))
     emission[0, ::2000] = 1000.0
-    found = noise_of(seen._replace(direct=seen.direct._replace(emission=emission)))
+    found = noise_of(replace(seen, direct=seen.direct._replace(emission=emission)))
     assert found.camera > 5 * (found.light + found.gather)
 
 
