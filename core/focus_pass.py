@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from .photon_pass import Batch, trace_batch
 from .photons.focus import Focus, find_focus
 from .photons.trace import Walk
@@ -12,18 +14,29 @@ from .settings import Settings
 from .steps import Steps
 
 
-def focus_of(prepared: Prepared, settings: Settings, caustics: bool) -> Steps[Focus]:
+class Crowds(NamedTuple):
+    """The places where photons crowd, and ``walks`` of the pilot that are as they were.
+
+    None are where there is such a place, as photons are shared out there.
+    """
+
+    focus: Focus
+    walks: dict[Batch, Walk]
+
+
+def focus_of(prepared: Prepared, settings: Settings, caustics: bool) -> Steps[Crowds]:
     """The places where photons crowd, by ``CROWD`` paths of each kind.
 
     ``caustics``: whether there will be caustic photons. The camera plays no part, so that
     photons serve whatever it sees.
     """
     kinds = (True, False) if caustics else (False,)
+    batches = [Batch(caustic, 0, CROWD, CROWD) for caustic in kinds]
     walks: list[Walk] = yield [
-        (trace_batch, prepared, settings, PILOT_PASS, Batch(caustic, 0, CROWD, CROWD))
-        for caustic in kinds
+        (trace_batch, prepared, settings, PILOT_PASS, batch) for batch in batches
     ]
-    return find_focus(walks[-1], walks[0] if caustics else None, settings.photon_depth)
+    focus = find_focus(walks[-1], walks[0] if caustics else None, settings.photon_depth)
+    return Crowds(focus, {} if focus.found else dict(zip(batches, walks, strict=True)))
 
 
 def wants_focus(settings: Settings, plan: Plan) -> bool:

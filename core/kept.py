@@ -86,13 +86,15 @@ class Kept:
 
     def focused(
         self, prepared: Prepared, settings: Settings, plan: Plan
-    ) -> Steps[tuple[Prepared, Plan]]:
+    ) -> Steps[tuple[Prepared, Plan, dict[Batch, Walk]]]:
         """``prepared`` with the places where photons crowd, and the plan that tells of them.
 
-        As they are where nobody asks for them.
+        As they are where nobody asks for them. The pilot's walks that have just been traced
+        come third.
         """
+        walks: dict[Batch, Walk] = {}
         if not wants_focus(settings, plan):
-            return prepared, plan
+            return prepared, plan, walks
         caustics = plan.is_on("caustics")
         key = (settings.seed, settings.photon_depth, caustics)
         known = self._known
@@ -100,10 +102,10 @@ class Kept:
             known = None
         found = known.focus.get(key) if known is not None else None
         if found is None:
-            found = yield from focus_of(prepared, settings, caustics)
+            found, walks = yield from focus_of(prepared, settings, caustics)
             if known is not None:
                 known.focus[key] = found
-        return prepared._replace(focus=found), with_focus_stage(plan, found)
+        return prepared._replace(focus=found), with_focus_stage(plan, found), walks
 
     def leave(self, room: int) -> None:
         """Keep no more than ``room`` bytes of photons from now on."""

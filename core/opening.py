@@ -59,7 +59,7 @@ def pilot(
     photons = render.plan.is_on("caustics") or render.plan.is_on("indirect")
     looking = submit(look_for_radii, prepared, settings, region) if photons else None
     focused = render.kept.focused(prepared, settings, render.plan)
-    prepared, render.plan = yield from render.run(focused, message)
+    prepared, render.plan, traced = yield from render.run(focused, message)
     look = (yield from render.watch(looking, message)) if looking else NOTHING
     learns = wants_aim(settings, render.plan, region)
     while True:
@@ -67,8 +67,10 @@ def pilot(
             submit(_photons, render, prepared),
             "photon maps" if settings.photon_maps else message,
         )
+        if isinstance(source, TracedPhotons):
+            source.piloted = traced
         kept = render.kept.photons(source, settings)
-        asked = (prepared, settings, region, kept, look)
+        asked = (prepared, settings, region, kept, look, traced)
         parts = [submit(*part) for part in parts_of_pilot(*asked)]
         walks = _look_for_balance(render, source)
         sizes, crowd, shadows = yield from render.watch_all(parts, message)
@@ -77,6 +79,7 @@ def pilot(
             aiming = submit(aimed, prepared, settings, render.plan, look.views, crowd)
             prepared, render.plan = yield from render.watch(aiming, message)
             if prepared is not before:
+                traced = {}
                 # Photons for one view serve no other, and those so far were not these.
                 yield from render.watch_all(chain.from_iterable(walks), message)
                 render.kept.leave(0)

@@ -86,10 +86,13 @@ class TracedPhotons:
         self.learnt = len(prepared.aim.histogram.row) > 0
         self.seed = settings.seed
         self.passes = settings.passes
+        #: Batches of ``PILOT_PASS`` that have been traced already.
+        self.piloted: dict[Batch, Walk] = {}
 
     def walk(self, i: int, batch: Batch) -> Walk:
         """Emit and trace one batch of pass ``i``."""
-        return trace_batch(self._prepared, self._settings, i, batch)
+        known = self.piloted.get(batch) if i == PILOT_PASS else None
+        return known or trace_batch(self._prepared, self._settings, i, batch)
 
     def pilot(self) -> NDArray[np.float64]:
         """Traced with random numbers of their own."""

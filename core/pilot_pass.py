@@ -42,15 +42,21 @@ class CrowdLook(NamedTuple):
 
 
 def parts_of_pilot(
-    prepared: Prepared, settings: Settings, region: Region, source: PhotonSource, look: Look
+    prepared: Prepared,
+    settings: Settings,
+    region: Region,
+    source: PhotonSource,
+    look: Look,
+    traced: dict[Batch, Walk],
 ) -> list[tuple[Any, ...]]:
     """Functions and their arguments; ``pilot_of`` takes what they return.
 
-    Without photons nothing is asked for radii, and nothing is traced.
+    Without photons nothing is asked for radii, and nothing is traced. ``traced``: batches of
+    the pilot that are known already.
     """
     return [
         (_sizes, prepared, settings, source, look),
-        (_crowd, prepared, settings, region, source),
+        (_crowd, prepared, settings, region, source, traced),
         (_shadows, prepared, settings),
     ]
 
@@ -71,7 +77,7 @@ def pilot_radii(
 ) -> Radii:
     """Radii of pass 0, and shadow photons when there shall be some: one part after another."""
     look = look_for_radii(prepared, settings, region) if source.batches else NOTHING
-    parts = parts_of_pilot(prepared, settings, region, source, look)
+    parts = parts_of_pilot(prepared, settings, region, source, look, {})
     return pilot_of(*(work(*arguments) for work, *arguments in parts))
 
 
@@ -83,7 +89,11 @@ def _sizes(prepared: Prepared, settings: Settings, source: PhotonSource, look: L
 
 
 def _crowd(
-    prepared: Prepared, settings: Settings, region: Region, source: PhotonSource
+    prepared: Prepared,
+    settings: Settings,
+    region: Region,
+    source: PhotonSource,
+    traced: dict[Batch, Walk],
 ) -> CrowdLook | None:
     if not any(batch.caustic for batch in source.batches):
         return None
@@ -91,7 +101,9 @@ def _crowd(
     # that discs are as large in all frames of a flight.
     number = DRAFT_CROWD if settings.draft else CROWD
     chosen = replace(settings, seed=source.seed)
-    walk = trace_batch(prepared, chosen, PILOT_PASS, Batch(True, 0, number, number))
+    batch = Batch(True, 0, number, number)
+    walk = traced.get(batch) if chosen.seed == settings.seed else None
+    walk = walk or trace_batch(prepared, chosen, PILOT_PASS, batch)
     expected = _expected(prepared, chosen, region, walk)
     return CrowdLook(walk, number, expected._replace(passes=source.passes))
 

@@ -56,7 +56,7 @@ def bake(
     plan = Plan.of(scene, settings)
     if wants_focus(settings, plan):
         found = run(focus_of(prepared, settings, plan.is_on("caustics")))
-        prepared = prepared._replace(focus=found)
+        prepared = prepared._replace(focus=found.focus)
     batches = photon_batches(plan, settings, camera.width * camera.height)
     source = TracedPhotons(prepared, settings, batches)
     return write_bake(scene, settings, prepared, source, path, passes, on_pass)

@@ -6,17 +6,21 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from photon_map.core import pilot
 from photon_map.core.camera_pass.pixels import Region
-from photon_map.core.photon_pass import TracedPhotons, photon_batches
+from photon_map.core.focus_pass import focus_of
+from photon_map.core.photon_pass import TracedPhotons, photon_batches, trace_batch
+from photon_map.core.pilot import PILOT_PASS
 from photon_map.core.pilot_pass import pilot_radii
 from photon_map.core.plan import Plan
 from photon_map.core.prepared import prepare
 from photon_map.core.renderer import render
 from photon_map.core.settings import Settings
-from tests.scenes import cornell_glass
+from photon_map.core.steps import run
+from tests.scenes import cornell_glass, mirror_caustic
 
 
 def refuse(*_: Any) -> Any:
@@ -70,3 +74,25 @@ def test_a_draft_renders_caustics() -> None:
     draft, whole = (film.resolve("caustics").mean() for film in films)
     assert draft == pytest.approx(whole, rel=0.1)
     assert draft > 0
+
+
+def test_photons_that_looked_for_crowds_are_those_of_the_pilot() -> None:
+    """Bit for bit, so that they need not be traced again; not where they will be shared out."""
+    settings = Settings(photons_caustic=2000, photons_global=2000)
+    glass = run(focus_of(prepare(cornell_glass(16), settings), settings, True))
+    assert glass.focus.found > 0 and not glass.walks
+    prepared = prepare(mirror_caustic(), settings)
+    crowds = run(focus_of(prepared, settings, True))
+    assert crowds.focus.found == 0
+    assert {batch.caustic for batch in crowds.walks} == {True, False}
+    alike = prepared._replace(focus=crowds.focus)
+    for batch, walk in crowds.walks.items():
+        again = trace_batch(alike, settings, PILOT_PASS, batch)
+        assert again.photons.tobytes() == walk.photons.tobytes()
+        assert np.array_equal(again.order, walk.order)
+        source = TracedPhotons(alike, settings, [batch])
+        traced = source.pilot()
+        source.piloted = crowds.walks
+        assert source.walk(PILOT_PASS, batch) is walk
+        assert np.array_equal(source.pilot(), traced)
+        assert source.walk(0, batch) is not walk

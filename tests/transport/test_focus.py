@@ -91,7 +91,7 @@ def pictures(scene: Scene, settings: Settings) -> np.ndarray:
 def test_the_mean_is_that_of_gather_rays(name: str):
     """t-test of the mean difference, at 0.1 %, beside 1 % for the discs' own blur."""
     scene = SCENES[name]
-    assert run(focus_of(prepare(scene, FEW), FEW, True)).found > 0
+    assert run(focus_of(prepare(scene, FEW), FEW, True)).focus.found > 0
     many = replace(FEW, passes=16, gather_rays=16)
     on, off = (pictures(scene, replace(many, focus=focus)) for focus in (True, False))
     means = on.mean(axis=(1, 2, 3)) - off.mean(axis=(1, 2, 3))
@@ -123,7 +123,7 @@ def test_flux_is_shared_out_and_none_is_lost():
     """What gather rays are left, and what the same photon leaves behind, are its flux."""
     scene = SCENES["lamp"]
     plain = prepare(scene, FEW)
-    found = plain._replace(focus=run(focus_of(plain, FEW, False)))
+    found = plain._replace(focus=run(focus_of(plain, FEW, False)).focus)
 
     def walk(prepared):  # type: ignore[no-untyped-def]
         return trace_photons(
