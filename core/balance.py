@@ -157,13 +157,22 @@ def part_of_look(
 def parts_of_look(
     prepared: Prepared, settings: Settings, region: Region, maps: Sequence[PhotonMaps]
 ) -> list[tuple[Any, ...]]:
-    """Functions and their arguments that give a ``Look``'s parts: the chunks, ``direct``."""
+    """Functions and their arguments; ``look_from`` takes what they return."""
     chunks = ((0, 0), (1, 1), (0, 1))
     asked = (prepared, settings, region)
-    parts: list[tuple[Any, ...]] = [
-        (part_of_look, *asked, camera, maps[photons]) for camera, photons in chunks
+    return [
+        *((part_of_look, *asked, camera, maps[photons]) for camera, photons in chunks),
+        *((emission_look, *asked, i) for i in PASSES),
+        (direct_look, *asked, maps[0].shadows),
     ]
-    return [*parts, (direct_look, *asked, maps[0].shadows)]
+
+
+def look_from(parts: list[Any], batches: list[Batch], walks: list[Walk]) -> Look:
+    """Of what ``parts_of_look`` have found."""
+    *chunks, one, two, direct = parts
+    first, second, third = chunks
+    direct = direct._replace(emission=np.stack([one, two]))
+    return Look(first, second, third, direct, batches, walks)
 
 
 def _bare(settings: Settings) -> Settings:
@@ -173,15 +182,22 @@ def _bare(settings: Settings) -> Settings:
     )
 
 
+def emission_look(
+    prepared: Prepared, settings: Settings, region: Region, i: int
+) -> NDArray[np.float64]:
+    """Emission (m, 3) that camera paths ``i`` meet."""
+    pixels = pixels_of(region, i, EMISSION_PIXELS)
+    seen = np.zeros(pixels.paths, SAMPLE)
+    rays = Rays(prepared, pixels.paths)
+    trace_camera(prepared, _bare(settings), region, pixels, rays, seen)
+    return seen["emission"]
+
+
 def direct_look(
     prepared: Prepared, settings: Settings, region: Region, shadows: ShadowMap | None
 ) -> DirectLook:
-    """Emission, and direct light of the camera paths of the first part of a ``Look``."""
+    """Direct light of the camera paths of the first part of a ``Look``; no emission."""
     bare = _bare(settings)
-    looks = [pixels_of(region, i, EMISSION_PIXELS) for i in PASSES]
-    seen = np.zeros((2, looks[0].paths), SAMPLE)
-    for k, pixels in enumerate(looks):
-        trace_camera(prepared, bare, region, pixels, Rays(prepared, pixels.paths), seen[k])
     pixels = pixels_of(region, PASSES[0])
     rays = Rays(prepared, pixels.paths)
     light, gather = (np.zeros((2, pixels.paths), SAMPLE) for _ in range(2))
@@ -194,7 +210,8 @@ def direct_look(
         ends.vertices["number"] = i
         if len(ends.vertices):
             trace_gather(prepared, bare, ends, gather[k])
-    return DirectLook(seen["emission"], light["direct"], gather["direct"], len(lit.vertices))
+    none = np.zeros((2, 0, 3))
+    return DirectLook(none, light["direct"], gather["direct"], len(lit.vertices))
 
 
 def noise_of(seen: Look) -> Noise:

@@ -16,11 +16,11 @@ from .aim_pass import aimed, wants_aim
 from .baking.bake import photon_source
 from .balance import (
     PASSES,
-    Look,
     balanced,
     caustics_by_paths,
     gather_share,
     is_free,
+    look_from,
     parts_of_look,
     stage_of,
 )
@@ -119,15 +119,15 @@ def balance(
     asked = "looking where noise comes from"
     before, region = render.settings, render.region
     found: list[Walk] = []
-    maps = []
+    sorting = []
     while walks:
         found = yield from render.watch_all(walks.pop(0), asked)
-        maps.append(photon_maps(before, radii, 0, batches, found))
+        sorting.append(render.queue.submit(photon_maps, before, radii, 0, batches, found))
+    maps = yield from render.watch_all(sorting, asked)
     parts = [
         render.queue.submit(*part) for part in parts_of_look(prepared, before, region, maps)
     ]
-    one, two, three, direct = yield from render.watch_all(parts, asked)
-    seen = Look(one, two, three, direct, batches, found)
+    seen = look_from((yield from render.watch_all(parts, asked)), batches, found)
     render.density.caustics = caustics_by_paths(seen)
     stored = stored_in(batches, found)
     fits = render.memory.fits_with(stored)

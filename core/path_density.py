@@ -55,6 +55,10 @@ class PathDensity:
         #: The part of the variance of caustics that camera paths bring, not photons.
         self.caustics = 0.0
 
+    def looks(self, i: int) -> bool:
+        """Whether the paths of pass ``i`` hang on the light in the film."""
+        return self._adaptive and i >= FIRST and i & (i - 1) == 0
+
     def pixels(self, i: int, film: Film) -> Pixels:
         """The paths of pass ``i``, which follows those in ``film``.
 
@@ -74,7 +78,7 @@ class PathDensity:
     def _begin(self, i: int, film: Film) -> None:
         """A new round, with other shares after each doubling of the passes."""
         self._done += self._now
-        if self._adaptive and i >= FIRST and i & (i - 1) == 0:
+        if self.looks(i):
             self.shares = shares_of(film, self.caustics)
         if self.shares is None:
             self._now = np.ones_like(self._now)

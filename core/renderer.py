@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, wait
 from dataclasses import replace
 from functools import partial
-from itertools import islice
 
 from .camera_pass.chunk import PhotonMaps
 from .camera_pass.pixels import Region
@@ -18,7 +17,7 @@ from .jit import has_compiled, set_compiled
 from .kept import Kept
 from .light_groups import GroupChunk
 from .opening import balance, pilot
-from .pass_queue import Side, sides_of
+from .pass_queue import CameraPass, Side, sides_of
 from .photon_memory import Afforded, emitted
 from .photon_pass import TracedPhotons
 from .pilot import Radii
@@ -120,11 +119,25 @@ class _Render(RenderState):
         """
         ahead = self.memory.ahead
         maps: deque[Future[list[PhotonMaps]]] = deque()
+        begun: CameraPass | None = None
 
         def launch(end: int) -> None:
-            for k in range(i + len(maps), min(end, self.settings.passes)):
+            traced = i + len(maps) + (begun is not None)
+            for k in range(traced, min(end, self.settings.passes)):
                 sized = radii.with_caustics(discs.factor(k))
                 maps.append(self.queue.photons(self.settings, sized, sides, k))
+
+        def begin(k: int) -> CameraPass:
+            current = maps.popleft().result()
+            self._count(current)
+            pixels = self.density.pixels(k, self.film)
+            parts = self.queue.chunks(self.settings, self.region, sides, current, pixels)
+            return CameraPass(k, deque(parts))
+
+        def follow(k: int) -> CameraPass | None:
+            """Pass ``k`` while the one before is under way, if nothing else is missing."""
+            known = k < self.settings.passes and not self.density.looks(k)
+            return begin(k) if known and maps and maps[0].done() else None
 
         for i in range(self.settings.passes):
             if self.lesson is not None:
@@ -136,33 +149,37 @@ class _Render(RenderState):
                 self.lesson = None
             discs.look(i, self.film)
             launch(i + ahead)
-            current = yield from self.watch(maps[0], "", "render")
-            self._count(current)
-            pixels = self.density.pixels(i, self.film)
-            waiting = self.queue.chunks(self.settings, self.region, sides, current, pixels)
-            chunks = deque(islice(waiting, self.in_flight))
+            if begun is None:
+                yield from self.watch(maps[0], "", "render")
+                begun = begin(i)
+            begun.queue(self.queue, self.in_flight)
             launch(i + 1 + ahead)
-            maps.popleft()
-            yield from self._camera_pass(i, chunks, waiting)
+            begun = yield from self._camera_pass(begun, follow)
             if self._out_of_time() or self._good_enough():
                 return
 
     def _camera_pass(
-        self, i: int, chunks: deque[Future[GroupChunk]], waiting: Iterator[Future[GroupChunk]]
-    ) -> Generator[Update, None, None]:
-        """Add the ``chunks`` of pass ``i`` to the film in order, and those still ``waiting``.
+        self, now: CameraPass, follow: Callable[[int], CameraPass | None]
+    ) -> Generator[Update, None, CameraPass | None]:
+        """Add the chunks of a pass to the film in their order, and ``follow`` with the next.
 
         Ends early when the time is up.
         """
-        while chunks and not self._out_of_time():
-            while not wait([chunks[0]], timeout=SILENCE).done:
+        then: CameraPass | None = None
+        while now.chunks and not self._out_of_time():
+            now.queue(self.queue, self.in_flight)
+            if not now.waiting:
+                then = then or follow(now.number + 1)
+                if then:
+                    then.queue(self.queue, self.in_flight - len(now.chunks))
+            while not wait([now.chunks[0]], timeout=SILENCE).done:
                 yield self.update("render", "")
-            self._add(i, chunks.popleft().result())
-            chunks.extend(islice(waiting, 1))
-            if not chunks:
+            self._add(now.number, now.chunks.popleft().result())
+            if not now.chunks and not now.waiting:
                 self.film.end_pass()
             if time.perf_counter() - self.told >= SILENCE:
                 yield self.update("render", "")
+        return then
 
     def _add(self, i: int, chunk: GroupChunk) -> None:
         whole, groups = chunk
