@@ -14,17 +14,9 @@ from typing import NamedTuple
 from .ahead import get_ready
 from .aim_pass import aimed, wants_aim
 from .baking.bake import photon_source
-from .balance import (
-    PASSES,
-    balanced,
-    caustics_by_paths,
-    gather_share,
-    is_free,
-    look_from,
-    parts_of_look,
-    stage_of,
-)
+from .balance import balanced, gather_share, is_free, stage_of
 from .guide_pass import SHARE, unguided
+from .look import PASSES, caustics_by_paths, look_from, parts_of_look
 from .photon_memory import Afforded, Stored, affordable, emitted, stored_in
 from .photon_pass import Batch, PhotonSource, TracedPhotons, photon_batches, photon_maps
 from .photons.trace import Walk

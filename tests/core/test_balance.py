@@ -13,17 +13,13 @@ from photon_map.core.balance import (
     LIGHT_SAMPLES,
     PHOTON_FACTORS,
     Cost,
-    DirectLook,
-    Look,
-    Noise,
     balanced,
     least_error,
-    noise_of,
-    pixels_of,
 )
 from photon_map.core.camera_pass.chunk import Chunk
 from photon_map.core.camera_pass.pixels import Pixels, Region
 from photon_map.core.film.film import SAMPLE
+from photon_map.core.look import DirectLook, Look, Noise, noise_of, pixels_of
 from photon_map.core.settings import AUTOMATIC
 from photon_map.tests import scenes
 
