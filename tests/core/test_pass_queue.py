@@ -41,7 +41,7 @@ def test_results_are_in_the_order_of_the_parts(queue):
 
 
 def test_a_thread_is_free_while_the_other_does_the_last_part(queue):
-    """A task for what follows would hold it: nothing else could be done before the gate opens."""
+    """A task for what follows would hold it until the gate opens."""
     gate = threading.Event()
     joined = queue.join([partial(gate.wait, 10), partial(int, 1)], list)
     assert queue.submit(str, 5).result(10) == "5"
