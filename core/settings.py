@@ -89,7 +89,7 @@ class Settings:
     camera_depth: int = 32
     photon_depth: int = 32
     min_throughput: float = 1e-4
-    split_depth: int = 1
+    split_depth: int = 4
     split_least: float = 0.1
     caustic_radius: float = 1.4
     alpha: float = 2.0 / 3.0

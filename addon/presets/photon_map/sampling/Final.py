@@ -16,5 +16,5 @@ settings.gather_rays = 4
 settings.camera_depth = 32
 settings.photon_depth = 32
 settings.min_throughput = 0.0001
-settings.split_depth = 1
+settings.split_depth = 4
 settings.split_least = 0.1
