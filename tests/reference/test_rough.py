@@ -154,9 +154,10 @@ def test_a_pane_of_frost_lets_the_photons_of_a_quad_through(roughness, multiscat
     scene = b.build()
     expected = trace(scene, 4000, seed=1)
     variance = expected.variance["combined"].sum() / expected["combined"].size ** 2
-    runs = family(scene, runs=6, passes=16, photons_global=32768, photons_caustic=32768)
+    runs = family(scene, runs=16, passes=16, photons_global=32768, photons_caustic=32768)
     means = runs["total"].mean(axis=(1, 2, 3))
     error = np.hypot(standard_error(means), np.sqrt(variance))
-    # 4.8 standard errors at 5 degrees of freedom: 0.005.
+    # 3.3 standard errors at 15 degrees of freedom: 0.005. Of 6 runs the scatter can be half of
+    # what it is: their tails are long.
     assert error < 0.01 * means.mean()
-    assert abs(means.mean() - expected["combined"].mean()) < 4.8 * error
+    assert abs(means.mean() - expected["combined"].mean()) < 3.3 * error
