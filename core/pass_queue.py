@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError, Future, InvalidStateError, ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
@@ -138,11 +138,17 @@ class PassQueue:
 
 
 class CameraPass:
-    """Pass ``number``: its chunks that are queued, in order, and those still ``waiting``."""
+    """Pass ``number``: its chunks that are queued, in order, and those still ``waiting``.
 
-    def __init__(self, number: int, waiting: deque[Callable[[], GroupChunk]]) -> None:
+    ``maps``: those of its sides, which the chunks ask.
+    """
+
+    def __init__(
+        self, number: int, maps: list[PhotonMaps], waiting: Iterable[Callable[[], GroupChunk]]
+    ) -> None:
         self.number = number
-        self.waiting = waiting
+        self.maps = maps
+        self.waiting = deque(waiting)
         self.chunks: deque[Future[GroupChunk]] = deque()
 
     def queue(self, queue: PassQueue, most: int) -> None:

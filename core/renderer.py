@@ -129,10 +129,9 @@ class _Render(RenderState):
 
         def begin(k: int) -> CameraPass:
             current = maps.popleft().result()
-            self._count(current)
             pixels = self.density.pixels(k, self.film)
             parts = self.queue.chunks(self.settings, self.region, sides, current, pixels)
-            return CameraPass(k, deque(parts))
+            return CameraPass(k, current, parts)
 
         def follow(k: int) -> CameraPass | None:
             """Pass ``k`` while the one before is under way, if nothing else is missing."""
@@ -152,6 +151,7 @@ class _Render(RenderState):
             if begun is None:
                 yield from self.watch(maps[0], "", "render")
                 begun = begin(i)
+            self._count(begun.maps)
             begun.queue(self.queue, self.in_flight)
             launch(i + 1 + ahead)
             begun = yield from self._camera_pass(begun, follow)

@@ -110,6 +110,9 @@ def test_seconds_stop_after_at_least_one_whole_pass():
 def test_an_error_goal_stops_when_it_is_met():
     *_, last = render(scenes.cornell_glass(12), replace(BASE, passes=5000, error_goal=0.3))
     assert last.relative_error <= 0.3 and last.passes < 5000
+    # The next pass had begun: its photons are in no picture.
+    photons = BASE.photons_caustic + BASE.photons_global
+    assert last.film.statistics.photons_emitted == last.passes * photons
 
 
 def test_a_scene_without_camera_is_refused_at_once():
