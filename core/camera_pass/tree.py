@@ -3,8 +3,10 @@
 Whitted 1980, as the report had it; without it one of the two is drawn by chance. Here the
 first ``Settings.split_depth`` events of a path split. Branches that would carry less than
 ``Settings.split_least`` are followed by Russian roulette (Arvo and Kirk 1990), and then carry
-that; where branches of a small portion end they are lit by another, and gather rays are shared
-out among all. Off, no kernel of this is compiled or called.
+that. The heavier branch carries what is left, all where there is no other: the branches of a
+path always carry together what it did. Where branches of a small portion end they are lit by
+another roulette, and gather rays are shared out among all. Off, no kernel of this is compiled
+or called.
 """
 
 from __future__ import annotations
@@ -109,20 +111,23 @@ def split_paths(
         if share <= 0.0:
             continue
         light = min(share, 1.0 - share)
-        paths[total] = paths[k]
-        branch = paths[total]
-        branch.forced, path.forced = REFLECTED, REFRACTED
-        if share > 0.5:
-            branch.forced, path.forced = REFRACTED, REFLECTED
+        lighter, heavier = (REFLECTED, REFRACTED) if share <= 0.5 else (REFRACTED, REFLECTED)
+        path.forced = heavier
         # At least the chance that it has without splitting, so that no portion grows.
         keep = light * max(1.0, max(path.beta[0], path.beta[1], path.beta[2]) / least)
-        path.portion *= 1.0 - light
-        for c in range(3):
-            path.beta[c] *= 1.0 - light
         if keep < 1.0:
             if uniform(path.key, SPLIT + path.steps) >= keep:
                 continue
             light /= keep
+        if light >= 1.0:
+            path.forced = lighter
+            continue
+        paths[total] = paths[k]
+        branch = paths[total]
+        branch.forced = lighter
+        path.portion *= 1.0 - light
+        for c in range(3):
+            path.beta[c] *= 1.0 - light
         branch.key = mix(path.key + np.uint64(_BRANCH))
         branch.pixel_key = mix(path.pixel_key + np.uint64(_BRANCH))
         branch.portion *= light
