@@ -102,10 +102,10 @@ def both(bpy: Any, tmp_path: Path) -> Any:
     addon_utils.enable("cycles")
     scene = bpy.context.scene
     bpy.context.view_layer.cycles.denoising_store_passes = True
-    scene.cycles.samples, scene.cycles.use_denoising = 256, False
+    scene.cycles.samples, scene.cycles.use_denoising = 512, False
     scene.cycles.use_adaptive_sampling = False
-    # 64 paths at least where the picture is even, which has half as many as the mean.
-    scene.photon_map.passes = 128
+    # 128 paths at least where the picture is even, which has half as many as the mean.
+    scene.photon_map.passes = 256
     cycles = rendered(bpy, "CYCLES", tmp_path)
     ours = rendered(bpy, "PHOTONMAP", tmp_path)
     return cycles[0], ours[0], cycles[1], ours[1]
@@ -120,7 +120,7 @@ def test_first_hits_are_those_of_cycles(bpy: Any, both: Any) -> None:
     same = ranks[0][..., 0] == ranks[1][..., 0]
     assert same[alone].all()
     #: Depth and position are those of one random place of the pixel and its filter, which
-    #: covers 0.3 m of a steep face; the others are means over 64 and 256 places, which
+    #: covers 0.3 m of a steep face; the others are means over 128 and 512 places, which
     #: differ by noise on the edges of the cubes.
     tolerances = {
         "Depth": 0.3, "Position": 0.3, "Mist": 0.01, "Normal": 0.1, "UV": 0.003,

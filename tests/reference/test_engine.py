@@ -101,23 +101,15 @@ def inside_of(shells):
     return b.build()
 
 
-@pytest.mark.parametrize("split", [{"split_depth": 0}, {"split_depth": 1, "split_least": 1e-6}])
+@pytest.mark.parametrize("split", [{"split_depth": 0}, {}, {"split_least": 0.3}])
 @pytest.mark.parametrize(("shells", "ior"), [([1.5], 1.5), ([1.33, 1.5], 1.5)])
 def test_radiance_inside_a_medium_is_n_squared(shells, ior, split):
     """Each path carries all of it: one that is not split, and the branches of one together.
 
-    Branches that are followed by roulette do so in the mean only.
+    Also where faint branches are followed by roulette.
     """
     found = film(inside_of(shells), **split).resolve("emission")
     np.testing.assert_allclose(found, ior**2, rtol=1e-5)
-
-
-@pytest.mark.parametrize(("shells", "ior"), [([1.5], 1.5), ([1.33, 1.5], 1.5)])
-def test_roulette_among_branches_keeps_it_in_the_mean(shells, ior):
-    scene = inside_of(shells)
-    runs = family(scene)["emission"]
-    assert runs.std() > 0.0
-    agrees(runs.mean(axis=(1, 2)), np.full(3, ior**2))
 
 
 def test_glowing_box_reaches_its_closed_form():
