@@ -79,7 +79,7 @@ def no_radii() -> Radii:
     return Radii((0.0, 0.0, 0.0, 0.0), 0.0, none, none)
 
 
-class Look(NamedTuple):
+class PilotLook(NamedTuple):
     """What the camera sees.
 
     ``views`` (P, 3): where the pilot's camera paths have ended, ``ends`` (Q, 3): where gather
@@ -93,10 +93,10 @@ class Look(NamedTuple):
 
 
 #: Of a render that has no photons to look for.
-NOTHING = Look(np.zeros((0, 3)), np.zeros((0, 3)), 0.0)
+NOTHING = PilotLook(np.zeros((0, 3)), np.zeros((0, 3)), 0.0)
 
 
-def look_for_radii(prepared: Prepared, settings: Settings, region: Region) -> Look:
+def look_for_radii(prepared: Prepared, settings: Settings, region: Region) -> PilotLook:
     """A few of the pixels of ``region``; photons play no part."""
     total = region.width * region.height
     stride = max(1, total // (DRAFT_PIXELS if settings.draft else PIXELS))
@@ -110,13 +110,13 @@ def look_for_radii(prepared: Prepared, settings: Settings, region: Region) -> Lo
     far, _ = trace_gather(prepared, one, ends, samples)
     seen = footprints(prepared.camera, np.ascontiguousarray(ends.vertices["length"]))
     typical = float(np.median(seen)) if len(seen) else 0.0
-    return Look(ends.vertices["p"].copy(), far.vertices["p"].copy(), typical)
+    return PilotLook(ends.vertices["p"].copy(), far.vertices["p"].copy(), typical)
 
 
 def first_radii(
     prepared: Prepared,
     settings: Settings,
-    look: Look,
+    look: PilotLook,
     photons: NDArray[np.float64],
     caustics: bool,
 ) -> Radii:

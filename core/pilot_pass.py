@@ -23,7 +23,7 @@ from .pilot import (
     DRAFT_CROWD,
     NOTHING,
     PILOT_PASS,
-    Look,
+    PilotLook,
     Radii,
     first_radii,
     look_for_radii,
@@ -46,7 +46,7 @@ def parts_of_pilot(
     settings: Settings,
     region: Region,
     source: PhotonSource,
-    look: Look,
+    look: PilotLook,
     traced: dict[Batch, Walk],
 ) -> list[tuple[Any, ...]]:
     """Functions and their arguments; ``pilot_of`` takes what they return.
@@ -81,7 +81,9 @@ def pilot_radii(
     return pilot_of(*(work(*arguments) for work, *arguments in parts))
 
 
-def _sizes(prepared: Prepared, settings: Settings, source: PhotonSource, look: Look) -> Radii:
+def _sizes(
+    prepared: Prepared, settings: Settings, source: PhotonSource, look: PilotLook
+) -> Radii:
     if not source.batches:
         return no_radii()
     caustics = any(batch.caustic for batch in source.batches)
